@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace metronome {
+
+inline constexpr int kObservationSize = 39;  // Meta-World: frame 18 | previous frame 18 | goal 3
+inline constexpr int kActionSize = 4;        // hand dx, dy, dz, gripper; the environment clips
+
+/// Bits of Episode::flags.
+enum StepFlag : std::uint8_t {
+  kStepSuccess = 1,     // the task's success criterion holds after this step
+  kStepTerminated = 2,  // the state after this step is absorbing (Meta-World never sets it)
+  kStepTruncated = 4,   // the time limit cut the episode here: set exactly at the last step
+};
+
+/// One whole episode of T steps: what actors publish and an update consumes. Arrays are row-major.
+/// float32 throughout: the policy saw exactly these observations, so the learner can recompute
+/// every action and log-probability bit for bit.
+struct Episode {
+  std::uint64_t number = 0;           // position in the run, from 0
+  std::uint64_t weights_version = 0;  // the policy snapshot that acted
+  std::vector<float> observation;     // [T + 1, 39]; row t precedes step t, row T is the final one
+  std::vector<float> action;          // [T, 4], as sampled: before the environment clips
+  std::vector<float> log_prob;        // [T], nats, of the unclipped action
+  std::vector<float> reward;          // [T], the environment's own scale (0..10)
+  std::vector<std::uint16_t> head;    // [T], floor(t * k / T)
+  std::vector<std::uint8_t> flags;    // [T], StepFlag bits
+
+  [[nodiscard]] std::int32_t length() const { return static_cast<std::int32_t>(reward.size()); }
+  bool operator==(const Episode&) const = default;
+};
+
+}  // namespace metronome

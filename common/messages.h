@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/episode.h"
+
+/// What crosses between learner and actors, free of any middleware. idl/ has the wire types.
+namespace metronome {
+
+/// Grows whenever wire types or the meaning of a message change. Peers of another version are
+/// refused, both versions named.
+inline constexpr std::uint32_t kProtocolVersion = 1;
+
+/// Learner to all: everything an actor needs to know. The newest incarnation rules.
+struct RunDescription {
+  std::uint32_t protocol_version = kProtocolVersion;
+  std::uint64_t learner_id = 0;   // random per process; ties between learners go to the lower
+  std::uint64_t incarnation = 0;  // a counter in the run's folder, grows at each start
+  std::string run_name;
+  std::string engine;  // e.g. "mujoco-2.2.2"
+  std::string build;   // build identity of the learner
+  std::string config;  // serialised RunConfig (resolved)
+  bool serving = false;   // false while a starting learner still looks for rivals
+  bool finished = false;  // actors end with exit 0 (unless --stay)
+  bool operator==(const RunDescription&) const = default;
+};
+
+/// Learner to actors: one version of the policy (critic excluded: actors compute no values).
+struct PolicySnapshot {
+  std::uint64_t incarnation = 0;
+  std::uint64_t version = 0;
+  std::vector<float> parameters;           // actor part, ActorLayout order (common/network.h)
+  std::vector<float> observation_mean;     // [39]
+  std::vector<float> observation_inv_std;  // [39]
+  bool operator==(const PolicySnapshot&) const = default;
+};
+
+/// Learner to one actor.
+struct EpisodeOrder {
+  enum class Kind : std::uint8_t { kRun = 0, kRefuse = 1 };
+  std::uint64_t incarnation = 0;
+  std::uint64_t actor_id = 0;
+  Kind kind = Kind::kRun;
+  std::uint64_t weights_version = 0;     // of kRun
+  std::vector<std::uint64_t> numbers;    // of kRun, in the order to play them
+  std::string reason;                    // of kRefuse: shown to the user, actor exits non-zero
+  bool operator==(const EpisodeOrder&) const = default;
+};
+
+/// Actor to learner.
+struct EpisodeMessage {
+  std::uint64_t incarnation = 0;  // of the order that it answers
+  std::uint64_t actor_id = 0;
+  Episode episode;
+};
+
+/// Actor to learner: sent at joining, on change and once a second.
+struct ActorStatus {
+  std::uint32_t protocol_version = kProtocolVersion;
+  std::uint64_t actor_id = 0;     // random per process
+  std::uint64_t incarnation = 0;  // the learner it obeys
+  std::string host;
+  std::uint32_t pid = 0;
+  std::string engine;
+  std::string build;
+  std::string canonical_digest;  // hex SHA-256 of a canonical episode of the run's task
+  std::uint32_t slots = 0;       // episodes it plays at once
+  std::uint64_t episodes_done = 0;
+  double steps_per_second = 0;   // wall-clock: shown, never used
+  bool operator==(const ActorStatus&) const = default;
+};
+
+}  // namespace metronome
