@@ -7,7 +7,7 @@
 #include "common/config.pb.h"
 #include "common/episode.h"
 #include "common/messages.h"
-#include "learner/train_state.h"
+#include "common/train_state.h"
 #include "learner/update_report.h"
 
 namespace metronome {
