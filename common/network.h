@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/config.pb.h"
+
 namespace metronome {
 
 /// Shape of actor and critic: separate tanh MLPs of equal widths.
@@ -43,5 +45,8 @@ MlpLayout CriticLayout(const NetworkShape& shape);
 
 /// Parameters of both networks: the actor's, then the critic's.
 std::size_t ParameterCount(const NetworkShape& shape);
+
+/// The shape that a resolved configuration (common/config.h) asks for.
+NetworkShape ShapeOf(const RunConfig& config);
 
 }  // namespace metronome

@@ -1,0 +1,9 @@
+#include "common/activation.h"
+
+namespace metronome {
+
+void TanhInPlace(Eigen::VectorXf& values) { values = values.array().tanh(); }
+
+void TanhInPlace(Eigen::MatrixXf& values) { values = values.array().tanh(); }
+
+}  // namespace metronome

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/config.pb.h"
+#include "common/episode.h"
+#include "common/head_schedule.h"
+#include "common/messages.h"
+#include "common/network.h"
+#include "common/random.h"
+
+namespace metronome {
+
+/// The policy of one snapshot, one state at a time: what actors act with and what the learner
+/// recomputes, to the last bit, when it checks them. Diagonal Gaussian; time alone picks the head.
+///
+/// Bit-equality: every sum runs over its inputs in order (the loops vectorise over outputs, and
+/// the build forbids contraction), so neither vector width nor alignment enters. Not thread-safe:
+/// it keeps scratch space; make one per thread.
+class Policy {
+ public:
+  struct Decision {
+    std::array<float, kActionSize> mean{};
+    std::array<float, kActionSize> action{};  // mean + std * noise, not clipped
+    float log_prob = 0;                       // nats, of `action`
+    std::int32_t head = 0;
+  };
+
+  /// @param config  resolved. @throws std::invalid_argument if the snapshot has another shape.
+  Policy(const RunConfig& config, const PolicySnapshot& snapshot);
+
+  /// Mean action of the head that owns step t.
+  /// @param observation  [39], as published. @param t  in [0, T).
+  std::array<float, kActionSize> Mean(const float* observation, std::int32_t t);
+
+  /// Samples the action of step t with the standard normal numbers of `noise`.
+  Decision Act(const float* observation, std::int32_t t, RandomStream noise);
+
+ private:
+  /// Weight transposed to [inputs, outputs] row-major, so that the inner loop runs over outputs.
+  struct Layer {
+    std::int32_t inputs = 0;
+    std::int32_t outputs = 0;
+    std::vector<float> weight_t;
+    std::vector<float> bias;
+  };
+
+  static Layer Transpose(const float* parameters, const LayerSlice& slice, std::int32_t first_row,
+                         std::int32_t rows);
+  static void Apply(const Layer& layer, const float* input, float* output);
+
+  NetworkShape shape_;
+  HeadSchedule schedule_;
+  float clip_;
+  std::vector<float> observation_mean_;
+  std::vector<float> observation_inv_std_;
+  std::vector<Layer> hidden_;
+  std::vector<Layer> heads_;                              // [k]
+  std::vector<std::array<float, kActionSize>> log_std_;  // [k]
+  std::vector<std::array<float, kActionSize>> std_;      // [k]
+  Eigen::VectorXf input_;
+  std::vector<Eigen::VectorXf> activations_;  // one per hidden layer
+};
+
+/// The noise of step t of training episode `number`.
+inline RandomStream ActionNoise(std::uint64_t seed, std::uint64_t number, std::int32_t t) {
+  return {RandomPurpose::kTrain, seed, number, static_cast<std::uint64_t>(t)};
+}
+
+}  // namespace metronome
