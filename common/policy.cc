@@ -22,10 +22,10 @@ Policy::Policy(const RunConfig& config, const PolicySnapshot& snapshot)
   const auto observations = static_cast<std::size_t>(shape_.observation);
   if (snapshot.parameters.size() != layout.size || observation_mean_.size() != observations ||
       observation_inv_std_.size() != observations) {
-    throw std::invalid_argument(
-        "policy snapshot " + std::to_string(snapshot.version) + " has " +
-        std::to_string(snapshot.parameters.size()) + " parameters, the run's network needs " +
-        std::to_string(layout.size));
+    throw std::invalid_argument("policy snapshot " + std::to_string(snapshot.version) + " has " +
+                                std::to_string(snapshot.parameters.size()) +
+                                " parameters, the run's network needs " +
+                                std::to_string(layout.size));
   }
   const float* parameters = snapshot.parameters.data();
   for (const LayerSlice& slice : layout.hidden) {

@@ -58,7 +58,7 @@ class Policy {
   std::vector<float> observation_mean_;
   std::vector<float> observation_inv_std_;
   std::vector<Layer> hidden_;
-  std::vector<Layer> heads_;                              // [k]
+  std::vector<Layer> heads_;                             // [k]
   std::vector<std::array<float, kActionSize>> log_std_;  // [k]
   std::vector<std::array<float, kActionSize>> std_;      // [k]
   Eigen::VectorXf input_;

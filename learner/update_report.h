@@ -8,23 +8,23 @@ namespace metronome {
 /// What one update saw and did; the source of progress.csv and the TensorBoard tags.
 /// Everything here is a pure function of state and batch.
 struct UpdateReport {
-  std::uint64_t version = 0;  // after the update
-  std::uint64_t steps = 0;    // environment steps so far
-  std::uint64_t episodes = 0; // episodes so far
-  double mean_return = 0;     // undiscounted episode return, mean over the batch
-  double success = 0;         // share of episodes with success at any step
-  double success_end = 0;     // share with success at the last step
-  double policy_loss = 0;     // means over the minibatches made
-  double value_loss = 0;      // half squared error, of scaled returns
-  double entropy = 0;         // nats, of the behaviour's heads
-  double kl = 0;              // mean old minus new log-probability over the last minibatch
-  double clip_share = 0;      // share of samples whose ratio left [1 - clip, 1 + clip]
+  std::uint64_t version = 0;      // after the update
+  std::uint64_t steps = 0;        // environment steps so far
+  std::uint64_t episodes = 0;     // episodes so far
+  double mean_return = 0;         // undiscounted episode return, mean over the batch
+  double success = 0;             // share of episodes with success at any step
+  double success_end = 0;         // share with success at the last step
+  double policy_loss = 0;         // means over the minibatches made
+  double value_loss = 0;          // half squared error, of scaled returns
+  double entropy = 0;             // nats, of the behaviour's heads
+  double kl = 0;                  // mean old minus new log-probability over the last minibatch
+  double clip_share = 0;          // share of samples whose ratio left [1 - clip, 1 + clip]
   double explained_variance = 0;  // of the returns by the values before the update
-  double gradient_norm = 0;   // before clipping
+  double gradient_norm = 0;       // before clipping
   double learning_rate = 0;
-  double reward_scale = 0;    // what rewards were divided by
-  std::int32_t epochs = 0;    // made before the KL stop
-  std::uint64_t lag = 0;      // updates between the behaviour's weights and those trained
+  double reward_scale = 0;  // what rewards were divided by
+  std::int32_t epochs = 0;  // made before the KL stop
+  std::uint64_t lag = 0;    // updates between the behaviour's weights and those trained
   // Per head, [k]; means over the head's samples.
   std::vector<double> head_entropy;
   std::vector<double> head_kl;

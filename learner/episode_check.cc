@@ -1,0 +1,114 @@
+#include "learner/episode_check.h"
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "common/head_schedule.h"
+#include "common/network.h"
+#include "common/policy.h"
+#include "common/random.h"
+
+namespace metronome {
+namespace {
+
+bool AllFinite(const std::vector<float>& values) {
+  for (const float value : values) {
+    if (!std::isfinite(value)) return false;
+  }
+  return true;
+}
+
+std::optional<std::string> CheckShape(const Episode& episode, const RunConfig& config) {
+  const auto horizon = std::size_t(config.environment().horizon());
+  const auto wrong = [&](const char* what, std::size_t is, std::size_t want) {
+    return std::string(what) + " has length " + std::to_string(is) + ", not " +
+           std::to_string(want);
+  };
+  if (episode.reward.size() != horizon) return wrong("reward", episode.reward.size(), horizon);
+  if (episode.observation.size() != (horizon + 1) * kObservationSize) {
+    return wrong("observation", episode.observation.size(), (horizon + 1) * kObservationSize);
+  }
+  if (episode.action.size() != horizon * kActionSize) {
+    return wrong("action", episode.action.size(), horizon * kActionSize);
+  }
+  if (episode.log_prob.size() != horizon)
+    return wrong("log_prob", episode.log_prob.size(), horizon);
+  if (episode.head.size() != horizon) return wrong("head", episode.head.size(), horizon);
+  if (episode.flags.size() != horizon) return wrong("flags", episode.flags.size(), horizon);
+  return std::nullopt;
+}
+
+std::optional<std::string> CheckFinite(const Episode& episode) {
+  if (!AllFinite(episode.observation)) return "an observation is not finite";
+  if (!AllFinite(episode.action)) return "an action is not finite";
+  if (!AllFinite(episode.log_prob)) return "a log-probability is not finite";
+  if (!AllFinite(episode.reward)) return "a reward is not finite";
+  return std::nullopt;
+}
+
+std::optional<std::string> CheckSchedule(const Episode& episode, const RunConfig& config) {
+  const HeadSchedule schedule(config.policy().heads(), config.environment().horizon());
+  for (std::int32_t t = 0; t < schedule.horizon(); ++t) {
+    const auto at = std::size_t(t);
+    if (episode.head[at] != schedule.HeadAt(t)) {
+      return "step " + std::to_string(t) + " names head " + std::to_string(episode.head[at]) +
+             ", the schedule gives " + std::to_string(schedule.HeadAt(t));
+    }
+    const bool last = t + 1 == schedule.horizon();
+    const int flags = episode.flags[at] & ~kStepSuccess;
+    if (flags != (last ? kStepTruncated : 0)) {
+      return "step " + std::to_string(t) + " has flags " + std::to_string(episode.flags[at]);
+    }
+  }
+  return std::nullopt;
+}
+
+bool Equal(float given, float expected, double tolerance) {
+  return tolerance == 0 ? given == expected
+                        : std::abs(double{given} - double{expected}) <= tolerance;
+}
+
+std::optional<std::string> CheckPolicy(const Episode& episode, const PolicySnapshot& snapshot,
+                                       const RunConfig& config) {
+  Policy policy(config, snapshot);
+  const double tolerance = config.collection().check_tolerance();
+  const double share = config.collection().check_share();
+  for (std::int32_t t = 0; t < episode.length(); ++t) {
+    // The sample of steps is seeded, by a counter that no action uses.
+    if (share < 1 &&
+        RandomStream(RandomPurpose::kShuffle, config.seed(), ~episode.number, std::uint64_t(t))
+                .Uniform() >= share) {
+      continue;
+    }
+    const auto at = std::size_t(t);
+    const Policy::Decision expected = policy.Act(episode.observation.data() + at * kObservationSize,
+                                                 t, ActionNoise(config.seed(), episode.number, t));
+    bool equal = Equal(episode.log_prob[at], expected.log_prob, tolerance);
+    for (std::size_t i = 0; i < kActionSize; ++i) {
+      equal = equal && Equal(episode.action[at * kActionSize + i], expected.action[i], tolerance);
+    }
+    if (!equal) {
+      return "step " + std::to_string(t) + ": weights version " + std::to_string(snapshot.version) +
+             " gives log-probability " + std::to_string(expected.log_prob) + ", the episode says " +
+             std::to_string(episode.log_prob[at]) + " (action or log-probability differ)";
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> CheckEpisode(const Episode& episode, const PolicySnapshot& snapshot,
+                                        const RunConfig& config) {
+  if (episode.weights_version != snapshot.version) {
+    return "weights version " + std::to_string(episode.weights_version) + " instead of " +
+           std::to_string(snapshot.version);
+  }
+  if (auto reason = CheckShape(episode, config)) return reason;
+  if (auto reason = CheckFinite(episode)) return reason;
+  if (auto reason = CheckSchedule(episode, config)) return reason;
+  return CheckPolicy(episode, snapshot, config);
+}
+
+}  // namespace metronome
