@@ -1,0 +1,163 @@
+"""Real learner and actor processes on loopback DDS, and deadlines instead of sleeps."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import zlib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "deploy" / "launcher"))
+import children  # noqa: E402  (the launcher's own: no child outlives us)
+
+BUILD = Path(os.environ.get("METRONOME_BUILD", ROOT / "build"))
+LEARNER = str(BUILD / "bin" / "metronome-learner")
+ACTOR = str(BUILD / "bin" / "metronome-actor")
+# Generous: it is only ever waited for in full when something is broken.
+DEADLINE = 120.0
+
+# A run of 8 updates of 4 episodes of 50 steps: a second of work.
+EPISODES, HORIZON, UPDATES = 4, 50, 8
+STEPS = EPISODES * HORIZON * UPDATES
+SMALL = ("--task", "push", "--steps", str(STEPS), "--seed", "7",
+         "--set", f"environment.horizon={HORIZON}",
+         "--set", f"collection.episodes_per_update={EPISODES}",
+         "--set", "ppo.minibatch=50")
+
+
+class Process:
+    """A child whose output is read as it comes."""
+
+    def __init__(self, command):
+        self.command = [str(word) for word in command]
+        self.lines = []
+        self._changed = threading.Condition()
+        self._open = 2
+        self.child = children.start(self.command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                    text=True, errors="replace")
+        for stream in (self.child.stdout, self.child.stderr):
+            threading.Thread(target=self._read, args=(stream,), daemon=True).start()
+
+    def _read(self, stream):
+        for line in stream:
+            with self._changed:
+                self.lines.append(line.rstrip("\n"))
+                self._changed.notify_all()
+        with self._changed:
+            self._open -= 1
+            self._changed.notify_all()
+
+    def expect(self, matches, what, seconds=DEADLINE):
+        """Blocks until a line satisfies `matches`, old ones included. @return what it returned."""
+        deadline, seen = time.monotonic() + seconds, 0
+        with self._changed:
+            while True:
+                for line in self.lines[seen:]:
+                    found = matches(line)
+                    if found:
+                        return found
+                seen = len(self.lines)
+                left = deadline - time.monotonic()
+                if self._open == 0 or left <= 0:
+                    raise AssertionError(f"{what}: not said by {self}")
+                self._changed.wait(left)
+
+    def expect_text(self, text, seconds=DEADLINE):
+        return self.expect(lambda line: line if text.lower() in line.lower() else None,
+                           f"'{text}'", seconds)
+
+    def expect_event(self, name):
+        return self.expect(lambda line: _json(line) if _json(line).get("event") == name else None,
+                           f"event {name}")
+
+    def expect_update(self, number):
+        """Waits for the learner's word that `number` updates or more are done."""
+        return self.expect(lambda line: _json(line) if _json(line).get("update", -1) >= number
+                           and "event" not in _json(line) else None, f"update {number}")
+
+    def wait(self, seconds=DEADLINE):
+        """@return the exit code, once all output is read."""
+        try:
+            code = self.child.wait(seconds)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f"did not end within {seconds} s: {self}") from None
+        with self._changed:
+            self._changed.wait_for(lambda: self._open == 0, 10)
+        return code
+
+    def signal(self, number):
+        self.child.send_signal(number)
+
+    def kill(self):
+        self.signal(signal.SIGKILL)
+        self.child.wait()
+
+    @property
+    def text(self):
+        return "\n".join(self.lines)
+
+    def __str__(self):
+        return f"{' '.join(self.command)}\nexit code {self.child.poll()}\n" + self.text
+
+
+def _json(line):
+    if not line.startswith("{"):
+        return {}
+    try:
+        return json.loads(line)
+    except ValueError:
+        return {}
+
+
+class Stage:
+    """The processes of one test: their domain, their folder of runs, and their end."""
+
+    def __init__(self, name, folder):
+        # Tests of several checkouts and builds may run at once on a machine.
+        self.domain = 1 + zlib.crc32(f"{os.getpid()} {name}".encode()) % 100
+        self.runs = folder / "runs"
+        self.processes = []
+
+    def start(self, *command):
+        process = Process(command)
+        self.processes.append(process)
+        return process
+
+    def learner(self, run, *options, small=SMALL):
+        return self.start(LEARNER, "run", "--run", run, "--runs", self.runs, "--domain", self.domain,
+                          "--progress", "json", *small, *options)
+
+    def actor(self, run, *options):
+        return self.start(ACTOR, "run", "--run", run, "--domain", self.domain, *options)
+
+    def train(self, run, *options, actors=1, actor_options=(), small=SMALL):
+        """A whole run: a learner and actors, each expected to end well. @return weights_sha256."""
+        learner = self.learner(run, *options, small=small)
+        team = [self.actor(run, *actor_options) for _ in range(actors)]
+        return self.finish(run, learner, team)
+
+    def finish(self, run, learner, team):
+        """Waits for the end of a run. @return weights_sha256 of its last checkpoint."""
+        assert learner.wait() == 0, learner
+        for actor in team:
+            assert actor.wait() == 0, actor
+        state = self.inspect(self.latest(run))
+        assert (state["version"], state["steps"]) == (UPDATES, STEPS)
+        return state["weights_sha256"]
+
+    def latest(self, run):
+        return self.runs / run / "checkpoints" / "latest"
+
+    def inspect(self, checkpoint):
+        inspect = self.start(LEARNER, "inspect", checkpoint, "--json")
+        assert inspect.wait() == 0, inspect
+        return json.loads(inspect.text)
+
+    def close(self):
+        for process in self.processes:
+            if process.child.poll() is None:
+                process.kill()

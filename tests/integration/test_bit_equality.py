@@ -1,0 +1,95 @@
+"""The same run gives the same weights, bit for bit, however it is carried out."""
+
+import pytest
+
+
+@pytest.fixture(scope="module")
+def expected(module_stage):
+    """weights_sha256 of the run on one actor."""
+    return module_stage.train("one-actor")
+
+
+@pytest.fixture(scope="module")
+def expected_overlapping(module_stage):
+    return module_stage.train("overlapping", "--set", "collection.overlap=1")
+
+
+def test_two_actors_give_the_weights_of_one(stage, expected):
+    assert stage.train("run", actors=2) == expected
+
+
+def test_three_actors_give_the_weights_of_one(stage, expected):
+    assert stage.train("run", actors=3) == expected
+
+
+def test_two_episodes_at_once_in_an_actor_give_the_weights_of_one(stage, expected):
+    assert stage.train("run", actor_options=("--envs", "2")) == expected
+
+
+def test_shared_memory_gives_the_weights_of_udp(stage, expected):
+    shm = ("--transport", "shm")
+    assert stage.train("run", *shm, actors=2, actor_options=shm) == expected
+
+
+def test_one_learner_thread_gives_the_weights_of_all_cores(stage, expected):
+    assert stage.train("run", "--set", "runtime.learner_threads=1") == expected
+
+
+def test_another_seed_gives_other_weights(stage, expected):
+    assert stage.train("run", "--set", "seed=8") != expected
+
+
+def test_an_actor_started_before_the_learner_joins_it(stage, expected):
+    actor = stage.actor("run")
+    actor.expect_text("learner")
+    learner = stage.learner("run")
+    assert stage.finish("run", learner, [actor]) == expected
+
+
+def test_an_actor_that_joins_late_changes_nothing(stage, expected):
+    learner, first = stage.learner("run"), stage.actor("run")
+    learner.expect_update(2)
+    late = stage.actor("run")
+    assert learner.wait() == 0, learner
+    assert first.wait() == 0, first
+    # It may have come too late to be seen by the learner; then it finds the run finished or gone.
+    late.kill()
+    assert stage.inspect(stage.latest("run"))["weights_sha256"] == expected
+
+
+def test_an_actor_killed_and_another_joining_change_nothing(stage, expected):
+    learner, victim = stage.learner("run"), stage.actor("run", "--envs", "2")
+    learner.expect_update(2)
+    victim.kill()
+    assert learner.child.poll() is None, "the run ended before the actor was killed"
+    assert stage.finish("run", learner, [stage.actor("run")]) == expected
+
+
+def test_a_learner_killed_and_resumed_changes_nothing(stage, expected):
+    learner, actor = stage.learner("run"), stage.actor("run")
+    learner.expect_update(3)
+    learner.kill()
+    killed_at = stage.inspect(stage.latest("run"))["version"]
+    assert 2 <= killed_at < 8
+    resumed = stage.learner("run", "--resume")
+    assert stage.finish("run", resumed, [actor]) == expected
+
+
+def test_overlapping_runs_agree_among_themselves(stage, expected, expected_overlapping):
+    assert expected_overlapping != expected
+    assert stage.train("run", "--set", "collection.overlap=1", actors=3) == expected_overlapping
+
+
+def test_an_overlapping_learner_killed_and_resumed_changes_nothing(stage, expected_overlapping):
+    overlap = ("--set", "collection.overlap=1")
+    learner, actor = stage.learner("run", *overlap), stage.actor("run")
+    learner.expect_update(3)
+    learner.kill()
+    resumed = stage.learner("run", *overlap, "--resume")
+    assert stage.finish("run", resumed, [actor]) == expected_overlapping
+
+
+@pytest.mark.parametrize("method", ["ppo", "ppo-time"])
+def test_one_head_methods_agree_too(stage, method):
+    alone = stage.train("one", "--method", method)
+    assert stage.train("two", "--method", method, actors=2) == alone

@@ -1,0 +1,64 @@
+"""What goes wrong in practice: missing, second, returning and interrupted processes."""
+
+import signal
+
+
+def test_an_actor_without_a_learner_says_so_and_gives_up(stage):
+    actor = stage.actor("nobody", "--wait", "3")
+    actor.expect_text("nobody", seconds=30)
+    assert actor.wait(60) not in (0, 2), actor
+
+
+def test_a_second_learner_of_a_run_is_refused(stage):
+    first, _ = stage.learner("run"), None
+    first.expect_event("started")
+    second = stage.learner("run", "--resume")
+    assert second.wait() != 0, second
+    assert "learner" in second.text.lower(), second
+    assert first.child.poll() is None, first
+
+
+def test_a_second_learner_in_another_folder_is_refused(stage, tmp_path):
+    first = stage.learner("run")
+    first.expect_event("started")
+    actor = stage.actor("run")
+    first.expect_update(1)
+    elsewhere = stage.start(*first.command[:4], "--runs", tmp_path / "elsewhere", *first.command[6:])
+    assert elsewhere.wait() != 0, elsewhere
+    assert first.wait() == 0, first
+    assert actor.wait() == 0, actor
+
+
+def test_an_interrupted_learner_leaves_a_checkpoint_and_goes_on(stage):
+    learner, actor = stage.learner("run"), stage.actor("run")
+    learner.expect_update(2)
+    learner.signal(signal.SIGINT)
+    assert learner.wait() == 130, learner
+    assert stage.inspect(stage.latest("run"))["version"] >= 2
+    stage.finish("run", stage.learner("run", "--resume"), [actor])
+
+
+def test_a_terminated_actor_ends_within_seconds(stage):
+    learner, actor = stage.learner("run"), stage.actor("run")
+    learner.expect_update(1)
+    actor.signal(signal.SIGTERM)
+    actor.wait(10)
+
+
+def test_an_actor_that_stays_serves_the_next_run_of_that_name(stage):
+    actor = stage.actor("run", "--stay")
+    learner = stage.learner("run")
+    assert learner.wait() == 0, learner
+    assert actor.child.poll() is None, actor
+    more = stage.learner("run", "--resume")
+    assert more.wait() == 0, more
+    actor.signal(signal.SIGTERM)
+    actor.wait(10)
+
+
+def test_an_actor_of_another_domain_is_not_seen(stage):
+    learner = stage.learner("run")
+    learner.expect_event("started")
+    actor = stage.start(stage.actor("run").command[0], "run", "--run", "run", "--wait", "3",
+                        "--domain", (stage.domain + 1) % 101)
+    assert actor.wait(60) != 0, actor

@@ -1,0 +1,112 @@
+"""deploy/train: one command for learner and actors."""
+
+import os
+import re
+import signal
+
+import pytest
+
+from harness import BUILD, ROOT, SMALL, STEPS
+
+TRAIN = str(ROOT / "deploy" / "train")
+TASK, OPTIONS = SMALL[1], SMALL[2:]
+
+
+def train(stage, *options, actors=2, small=OPTIONS):
+    return stage.start(TRAIN, TASK, "--build", BUILD, "--runs", stage.runs, "--domain", stage.domain,
+                       "--actors", actors, *small, *options)
+
+
+def runs_of(stage):
+    """Process ids of all that still belong to this test's folder of runs or its domain."""
+    found = []
+    for entry in os.listdir("/proc"):
+        try:
+            with open(f"/proc/{entry}/cmdline", "rb") as file:
+                words = file.read().decode(errors="replace").split("\0")
+        except OSError:
+            continue
+        if "metronome-" in words[0] and str(stage.domain) in words:
+            found.append((entry, words))
+    return found
+
+
+def test_it_trains_to_the_end_and_says_where_the_results_are(stage):
+    launcher = train(stage, "--run", "run")
+    assert launcher.wait() == 0, launcher
+    assert "every episode number entered exactly one update: 32 of 32" in launcher.text, launcher
+    assert re.search(r"update +8/8 +1600/1600 steps +return .* success .* steps/s", launcher.text)
+    for word in ("progress.csv", "checkpoints/latest", "evaluate --checkpoint"):
+        assert word in launcher.text, launcher
+    assert not runs_of(stage)
+    assert stage.inspect(stage.latest("run"))["steps"] == STEPS
+
+
+def test_the_default_name_is_new_each_time(stage):
+    for _ in range(2):
+        launcher = train(stage)
+        assert launcher.wait() == 0, launcher
+    assert len(list(stage.runs.iterdir())) == 2
+
+
+def test_an_existing_run_needs_resume(stage):
+    (stage.runs / "run").mkdir(parents=True)
+    launcher = train(stage, "--run", "run")
+    assert launcher.wait(30) == 2, launcher
+    assert "--resume" in launcher.text, launcher
+
+
+def test_resuming_what_does_not_exist_exits_2(stage):
+    launcher = train(stage, "--run", "nothing", "--resume")
+    assert launcher.wait(30) == 2, launcher
+
+
+@pytest.mark.parametrize("options", [
+    ("--heads", "51"), ("--set", "ppo.clipp=1"), ("--method", "pppo"), ("--actors", "-1"), ("--bogus",),
+], ids=lambda options: options[0])
+def test_usage_errors_exit_2_and_leave_nothing(stage, options):
+    launcher = train(stage, "--run", "run", *options)
+    assert launcher.wait(60) == 2, launcher
+    assert not (stage.runs / "run").exists()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_stopping_leaves_a_checkpoint_and_no_orphans_and_resume_goes_on(stage, number):
+    launcher = train(stage, "--run", "run")
+    launcher.expect_text("update    1/8")
+    launcher.signal(number)
+    assert launcher.wait(90) == 128 + number, launcher
+    assert not runs_of(stage)
+    assert stage.latest("run").exists()
+    assert "--resume" in launcher.text, launcher
+    again = train(stage, "--run", "run", "--resume")
+    assert again.wait() == 0, again
+    assert stage.inspect(stage.latest("run"))["steps"] == STEPS
+
+
+def test_a_killed_launcher_leaves_no_orphans(stage):
+    launcher = train(stage, "--run", "run")
+    launcher.expect_text("update    1/8")
+    children = [os.pidfd_open(int(pid)) for pid, _ in runs_of(stage)]
+    assert children
+    launcher.kill()
+    import select
+    for child in children:
+        assert select.select([child], [], [], 30)[0], "a child outlived its launcher"
+        os.close(child)
+
+
+def test_a_killed_actor_is_started_again(stage):
+    launcher = train(stage, "--run", "run", actors=1)
+    launcher.expect_text("update    1/8")
+    actors = [int(pid) for pid, words in runs_of(stage) if words[0].endswith("metronome-actor")]
+    os.kill(actors[0], signal.SIGKILL)
+    assert launcher.wait() == 0, launcher
+    assert "starting it again" in launcher.text, launcher
+
+
+def test_without_actors_it_waits_for_others(stage):
+    launcher = train(stage, "--run", "run", actors=0)
+    launcher.expect_text("metronome-actor run")
+    assert stage.actor("run").wait() == 0
+    assert launcher.wait() == 0, launcher
