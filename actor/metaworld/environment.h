@@ -10,7 +10,8 @@
 
 namespace metronome::metaworld {
 
-using Observation = std::array<double, kObservationSize>;  // metres, quaternions; see environment.cc
+using Observation =
+    std::array<double, kObservationSize>;  // metres, quaternions; see environment.cc
 using Action = std::array<float, kActionSize>;
 using RandVec = std::array<double, 6>;  // placement: object xyz, goal xyz, metres
 
@@ -32,8 +33,8 @@ struct StepResult {
 };
 
 struct EnvironmentOptions {
-  bool goal_visible = true;   // hidden: observation[36..38] are zeros, nothing else changes
-  std::string assets;         // folder of the official scene files (".../metaworld/assets")
+  bool goal_visible = true;  // hidden: observation[36..38] are zeros, nothing else changes
+  std::string assets;        // folder of the official scene files (".../metaworld/assets")
 };
 
 /// One Meta-World scene in MuJoCo. An episode is a pure function of the placement and the actions:

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "actor/metaworld/environment.h"
+#include "actor/metaworld/task_table.h"
+#include "common/random.h"
+
+/// Where an episode starts: object and goal. Pure functions.
+namespace metronome::metaworld {
+
+inline constexpr int kMt1Placements = 50;
+
+/// One placement, uniform over the task's box; too short distances are drawn again (spec
+/// section 4), from the same stream.
+RandVec DrawPlacement(const TaskSpec& task, RandomStream& stream);
+
+/// The 50 placements of the official MT1 benchmark for `seed`, number for number. The official
+/// package draws them with numpy's legacy generator: two draws (each with rejection) a reset, of
+/// which the second is kept.
+std::vector<RandVec> Mt1Placements(const TaskSpec& task, std::uint32_t seed);
+
+}  // namespace metronome::metaworld

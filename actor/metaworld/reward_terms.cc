@@ -1,0 +1,54 @@
+#include "actor/metaworld/reward_terms.h"
+
+#include <cmath>
+
+namespace metronome::metaworld {
+namespace {
+
+double XzNorm(const Eigen::Vector3d& v) { return std::sqrt(v.x() * v.x() + v.z() * v.z()); }
+
+/// One pad's share: near the object in y, with a margin that moves with the pad.
+double PadCaging(double pad_y, const CagingState& state, const CagingShape& shape) {
+  const double margin = std::abs(std::abs(pad_y - state.object_init.y()) - shape.pad_success);
+  return LongTail(std::abs(pad_y - state.object.y()), shape.object_radius, shape.pad_success,
+                  margin);
+}
+
+/// clamp(gripper, 0, effort) / effort, in float32 unless a bound replaces the command.
+Scalar ClosedExtent(float gripper, double effort) {
+  if (!(gripper > 0)) return 0.0;
+  if (static_cast<float>(effort) < gripper) return 1.0;
+  return Scalar::Single(gripper) / effort;
+}
+
+}  // namespace
+
+double LongTail(double x, double low, double high, double margin) {
+  if (low <= x && x <= high) return 1;
+  if (margin == 0) return 0;
+  const double d = (x < low ? low - x : x - high) / margin * 3;
+  return 1 / (d * d + 1);
+}
+
+Scalar Hamacher(Scalar a, Scalar b) {
+  const Scalar product = a * b;
+  const Scalar denominator = a + b - product;
+  return denominator.value() > 0 ? product / denominator : Scalar(0);
+}
+
+Scalar Caging(const CagingState& state, const CagingShape& shape, float gripper) {
+  const Scalar y = Hamacher(PadCaging(state.left_pad_y, state, shape),
+                            PadCaging(state.right_pad_y, state, shape));
+  const double xz = LongTail(XzNorm(state.tcp - state.object), 0, shape.xz_threshold,
+                             XzNorm(state.object_init - state.tcp_init) - shape.xz_threshold);
+  const Scalar caging = Hamacher(y, xz);
+  const Scalar closed = caging.value() > 0.97 ? ClosedExtent(gripper, shape.effort) : Scalar(0);
+  const Scalar both = Hamacher(caging, closed);
+  if (shape.density == CagingDensity::kHigh) return (both + caging) / 2;
+  const double margin = std::abs((state.object_init - state.tcp_init).norm() - shape.reach_radius);
+  return (both + LongTail((state.object - state.tcp).norm(), 0, shape.reach_radius, margin)) / 2;
+}
+
+double PlanarNorm(const Eigen::Vector3d& v) { return std::sqrt(v.x() * v.x() + v.y() * v.y()); }
+
+}  // namespace metronome::metaworld

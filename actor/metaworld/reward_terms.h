@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Core>
+
+/// The reward's building blocks (reference spec section 5). Pure functions.
+namespace metronome::metaworld {
+
+/// A number under numpy's promotion rules (NEP 50): once a float32 action enters a formula, all
+/// that follows with Python floats is rounded to float32. Rewards agree with the official ones to
+/// the bit only if they round where those do.
+class Scalar {
+ public:
+  Scalar(double value) : value_(value) {}  // NOLINT(google-explicit-constructor): a Python float
+  static Scalar Single(float value) { return {value, true}; }
+
+  [[nodiscard]] double value() const { return value_; }
+
+  friend Scalar operator+(Scalar a, Scalar b) {
+    return Apply(a, b, [](auto x, auto y) { return x + y; });
+  }
+  friend Scalar operator-(Scalar a, Scalar b) {
+    return Apply(a, b, [](auto x, auto y) { return x - y; });
+  }
+  friend Scalar operator*(Scalar a, Scalar b) {
+    return Apply(a, b, [](auto x, auto y) { return x * y; });
+  }
+  friend Scalar operator/(Scalar a, Scalar b) {
+    return Apply(a, b, [](auto x, auto y) { return x / y; });
+  }
+
+ private:
+  Scalar(double value, bool single) : value_(value), single_(single) {}
+
+  template <class Operation>
+  static Scalar Apply(Scalar a, Scalar b, Operation operation) {
+    if (!a.single_ && !b.single_) return operation(a.value_, b.value_);
+    return Single(operation(static_cast<float>(a.value_), static_cast<float>(b.value_)));
+  }
+
+  double value_;
+  bool single_ = false;
+};
+
+/// 1 where low <= x <= high, else 1 / ((3 d / margin)^2 + 1) at distance d from the nearer bound
+/// (0.1 at d = margin), else 0 where margin is 0. @param margin  not negative.
+double LongTail(double x, double low, double high, double margin);
+
+/// Hamacher product a b / (a + b - a b), 0 where the denominator is not positive. In [0, 1] for
+/// arguments in [0, 1].
+Scalar Hamacher(Scalar a, Scalar b);
+
+/// What a caging reward reads of the scene. Metres.
+struct CagingState {
+  double left_pad_y, right_pad_y;
+  Eigen::Vector3d tcp, object;            // now
+  Eigen::Vector3d tcp_init, object_init;  // after reset
+};
+
+enum class CagingDensity { kHigh, kMedium };
+
+/// Constants of a task's caging reward.
+struct CagingShape {
+  double object_radius, pad_success, xz_threshold;  // metres
+  double effort = 1;                                // gripper command that counts as closed
+  CagingDensity density = CagingDensity::kHigh;
+  double reach_radius = 0.01;  // metres, of kMedium
+};
+
+/// Reward for having the object between the pads and the gripper closed, in [0, 1].
+/// @param gripper  action[3] as given, not clipped.
+Scalar Caging(const CagingState& state, const CagingShape& shape, float gripper);
+
+/// Length of the x-y part.
+double PlanarNorm(const Eigen::Vector3d& v);
+
+}  // namespace metronome::metaworld

@@ -1,0 +1,237 @@
+#include "actor/metaworld/sawyer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "actor/metaworld/assets.h"
+
+namespace metronome::metaworld {
+namespace {
+
+constexpr int kFrameSkip = 5;            // physics steps per control step
+constexpr int kHandInitialisation = 50;  // control steps
+constexpr float kActionScale = 0.01F;    // metres of mocap motion per unit of action
+constexpr int kObjectQpos = 9;  // the object's free joint follows 7 arm and 2 finger joints
+constexpr int kObjectQvel = 9;
+constexpr std::array<double, 4> kMocapQuaternion = {1, 0, 1, 0};  // un-normalised, as official
+
+// Where step() clips hand and gripper to; the object is unbounded (spec section 3).
+constexpr std::array<double, 4> kFrameLow = {-0.525, 0.348, -0.0525, -1};
+constexpr std::array<double, 4> kFrameHigh = {0.525, 1.025, 0.7, 1};
+
+void CopyChecked(const std::vector<double>& from, double* to, int size, const char* what) {
+  if (static_cast<int>(from.size()) != size)
+    throw std::invalid_argument(std::string("recorded ") + what + " has " +
+                                std::to_string(from.size()) + " numbers, the scene needs " +
+                                std::to_string(size));
+  std::copy(from.begin(), from.end(), to);
+}
+
+bool Inside(const RandVec& p, const RandVec& low, const RandVec& high) {
+  for (std::size_t i = 0; i < p.size(); ++i)
+    if (!(low[i] <= p[i] && p[i] <= high[i])) return false;
+  return true;
+}
+
+}  // namespace
+
+SawyerEnvironment::SawyerEnvironment(const TaskSpec& task, const EnvironmentOptions& options,
+                                     const HandSettings& hand)
+    : task_(task),
+      options_(options),
+      hand_settings_(hand),
+      scene_(
+          Scene::Load(options.assets.empty() ? DefaultAssetsPath() : options.assets, task.scene)) {
+  model_ = scene_->CopyModel();
+  data_ = scene_->MakeData();
+  mocap_ = model_->body_mocapid[Body("mocap")];
+  hand_ = Body("hand");
+  right_claw_ = Body("rightclaw");
+  left_claw_ = Body("leftclaw");
+  right_pad_ = Body("rightpad");
+  left_pad_ = Body("leftpad");
+  right_tip_ = Site("rightEndEffector");
+  left_tip_ = Site("leftEndEffector");
+}
+
+Observation SawyerEnvironment::Reset(const RandVec& placement) {
+  EditModel(placement);
+  if (!hand_settings_.settles_alike || !Inside(placement, task_.low, task_.high))
+    return ResetAfresh(placement);
+  const mjData& settled =
+      scene_->Settled([this](mjModel& model, mjData& data) { InitialiseHand(model, data); });
+  mj_copyData(data_.get(), model_.get(), &settled);
+  return FinishReset(placement);
+}
+
+Observation SawyerEnvironment::ResetAfresh(const RandVec& placement) {
+  EditModel(placement);
+  InitialiseHand(*model_, *data_);
+  return FinishReset(placement);
+}
+
+void SawyerEnvironment::InitialiseHand(mjModel& model, mjData& data) const {
+  mj_resetData(&model, &data);
+  for (int i = 0; i < kHandInitialisation; ++i) {
+    std::copy_n(hand_settings_.initial.data(), 3, data.mocap_pos + 3 * mocap_);
+    std::copy(kMocapQuaternion.begin(), kMocapQuaternion.end(), data.mocap_quat + 4 * mocap_);
+    data.ctrl[0] = -1;
+    data.ctrl[1] = 1;
+    for (int k = 0; k < kFrameSkip; ++k) mj_step(&model, &data);
+  }
+}
+
+Observation SawyerEnvironment::FinishReset(const RandVec& placement) {
+  tcp_init_ = Tcp();  // no mj_forward before: one physics step old, as in the official environment
+  PlaceObject(placement);
+  steps_ = 0;
+  previous_frame_ = CurrentFrame();
+  return Observe(previous_frame_);
+}
+
+StepResult SawyerEnvironment::Step(const Action& action) {
+  if (steps_ >= kMaxSteps)
+    throw std::logic_error("Environment::Step past step 500 or before Reset: call Reset first");
+  MoveMocap(action);
+  data_->ctrl[0] = action[3];
+  data_->ctrl[1] = -action[3];
+  Substeps();
+  ++steps_;
+  mj_forward(model_.get(), data_.get());
+  return Conclude(action);
+}
+
+void SawyerEnvironment::MoveMocap(const Action& action) {
+  double* position = data_->mocap_pos + 3 * mocap_;
+  for (int i = 0; i < 3; ++i) {
+    const float delta = std::clamp(action[i], -1.0F, 1.0F) * kActionScale;  // float32, as official
+    position[i] = std::clamp(position[i] + static_cast<double>(delta), hand_settings_.low[i],
+                             hand_settings_.high[i]);
+  }
+  std::copy(kMocapQuaternion.begin(), kMocapQuaternion.end(), data_->mocap_quat + 4 * mocap_);
+}
+
+void SawyerEnvironment::Substeps() {
+  for (int k = 0; k < kFrameSkip; ++k) mj_step(model_.get(), data_.get());
+}
+
+StepResult SawyerEnvironment::Conclude(const Action& action) {
+  StepResult result;
+  const Frame previous = previous_frame_;
+  previous_frame_ = CurrentFrame();
+  result.observation = Observe(previous);
+  Clip(result.observation);
+  const Outcome outcome = Evaluate(result.observation, action);
+  result.reward = outcome.reward;
+  result.info = outcome.info;
+  result.truncated = steps_ == kMaxSteps;
+  return result;
+}
+
+SawyerEnvironment::Frame SawyerEnvironment::CurrentFrame() const {
+  Frame frame{};
+  const Eigen::Vector3d hand = BodyPosition(hand_);
+  const double opening = (BodyPosition(right_claw_) - BodyPosition(left_claw_)).norm();
+  const ObjectPose object = Object();
+  std::copy_n(hand.data(), 3, frame.begin());
+  frame[3] = std::clamp(opening / 0.1, 0.0, 1.0);  // claws are at most about 0.1 m apart
+  std::copy_n(object.position.data(), 3, frame.begin() + 4);
+  std::copy_n(object.quaternion.data(), 4, frame.begin() + 7);
+  return frame;
+}
+
+Observation SawyerEnvironment::Observe(const Frame& previous) const {
+  Observation observation{};
+  std::copy(previous_frame_.begin(), previous_frame_.end(), observation.begin());
+  std::copy(previous.begin(), previous.end(), observation.begin() + kFrameSize);
+  if (options_.goal_visible) std::copy_n(target_.data(), 3, observation.begin() + 2 * kFrameSize);
+  return observation;
+}
+
+void SawyerEnvironment::Clip(Observation& observation) const {
+  for (int frame : {0, kFrameSize})
+    for (std::size_t i = 0; i < kFrameLow.size(); ++i) {
+      double& number = observation[frame + i];
+      number = std::clamp(number, kFrameLow[i], kFrameHigh[i]);
+    }
+  if (!options_.goal_visible) return;
+  for (std::size_t i = 0; i < 3; ++i) {
+    double& number = observation[2 * kFrameSize + i];
+    number = std::clamp(number, task_.low[3 + i], task_.high[3 + i]);
+  }
+}
+
+void SawyerEnvironment::SetObject(const Eigen::Vector3d& position) {
+  std::copy_n(position.data(), 3, data_->qpos + kObjectQpos);
+  std::fill_n(data_->qvel + kObjectQvel, 6, 0.0);
+  mj_forward(model_.get(), data_.get());
+}
+
+Scalar SawyerEnvironment::Caging(const Eigen::Vector3d& object, const CagingShape& shape,
+                                 float gripper) const {
+  return metaworld::Caging({BodyPosition(left_pad_).y(), BodyPosition(right_pad_).y(), Tcp(),
+                            object, tcp_init_, object_init_},
+                           shape, gripper);
+}
+
+Eigen::Vector4d SawyerEnvironment::BodyQuaternion(int body) const {
+  return Eigen::Map<const Eigen::Vector4d>(data_->xquat + 4 * body);
+}
+
+Eigen::Vector3d SawyerEnvironment::Tcp() const {
+  return (SitePosition(right_tip_) + SitePosition(left_tip_)) / 2.0;
+}
+
+int SawyerEnvironment::Find(mjtObj type, const char* name) const {
+  const int index = mj_name2id(model_.get(), type, name);
+  if (index < 0)
+    throw std::runtime_error("scene " + task_.scene + " has no \"" + name +
+                             "\": not the official file of Meta-World 3.1.1");
+  return index;
+}
+
+void SawyerEnvironment::Replay(const RecordedStart& start) {
+  const auto internal = [&start](const char* name) -> Eigen::Vector3d {
+    Eigen::Vector3d value;
+    const auto found = start.internals.find(name);
+    if (found == start.internals.end())
+      throw std::invalid_argument(std::string("recording lacks internals_after_reset.") + name);
+    CopyChecked(found->second, value.data(), 3, name);
+    return value;
+  };
+  tcp_init_ = internal("init_tcp");
+  object_init_ = internal("obj_init_pos");
+  target_ = start.goal;
+  std::copy_n(start.observation.begin(), kFrameSize, previous_frame_.begin());
+  for (const auto& [name, position] : start.bodies)
+    std::copy_n(position.data(), 3, model_->body_pos + 3 * Body(name.c_str()));
+  for (const auto& [name, position] : start.sites)
+    std::copy_n(position.data(), 3, model_->site_pos + 3 * Site(name.c_str()));
+  steps_ = 0;
+}
+
+StepResult SawyerEnvironment::ReplayStep(const RecordedState& state, const Action& action) {
+  CopyChecked(state.qpos, data_->qpos, model_->nq, "qpos");
+  CopyChecked(state.qvel, data_->qvel, model_->nv, "qvel");
+  CopyChecked(state.mocap_pos, data_->mocap_pos, 3 * model_->nmocap, "mocap_pos");
+  CopyChecked(state.mocap_quat, data_->mocap_quat, 4 * model_->nmocap, "mocap_quat");
+  CopyChecked(state.ctrl, data_->ctrl, model_->nu, "ctrl");
+  CopyChecked(state.qacc_warmstart, data_->qacc_warmstart, model_->nv, "warm");
+  mj_forward(model_.get(), data_.get());
+  ++steps_;
+  return Conclude(action);
+}
+
+std::unique_ptr<SawyerEnvironment> MakeSawyerEnvironment(const std::string& task,
+                                                         const EnvironmentOptions& options) {
+  const TaskSpec& spec = FindTask(task);
+  return spec.make(spec, options);
+}
+
+std::unique_ptr<Environment> MakeEnvironment(const std::string& task,
+                                             const EnvironmentOptions& options) {
+  return MakeSawyerEnvironment(task, options);
+}
+
+}  // namespace metronome::metaworld

@@ -1,0 +1,64 @@
+#include "actor/metaworld/task_table.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "actor/metaworld/sawyer.h"
+#include "common/near_miss.h"
+
+namespace metronome::metaworld {
+
+// Defined in tasks/NAME.cc.
+std::unique_ptr<SawyerEnvironment> MakeAssembly(const TaskSpec&, const EnvironmentOptions&);
+std::unique_ptr<SawyerEnvironment> MakeBinPicking(const TaskSpec&, const EnvironmentOptions&);
+std::unique_ptr<SawyerEnvironment> MakeBoxClose(const TaskSpec&, const EnvironmentOptions&);
+std::unique_ptr<SawyerEnvironment> MakePush(const TaskSpec&, const EnvironmentOptions&);
+
+const std::vector<TaskSpec>& AllTasks() {
+  // name, scene, box low (object, goal), box high, least planar distance, factory
+  static const std::vector<TaskSpec> tasks = {
+      {"assembly",
+       "sawyer_xyz/sawyer_assembly_peg.xml",
+       {0, 0.6, 0.02, -0.1, 0.75, 0.1},
+       {0, 0.6, 0.02, 0.1, 0.85, 0.1},
+       0.1,
+       MakeAssembly},
+      {"bin-picking",
+       "sawyer_xyz/sawyer_bin_picking.xml",
+       {-0.21, 0.65, 0.02, 0.1199, 0.699, -0.001},
+       {-0.03, 0.75, 0.02, 0.1201, 0.701, 0.001},
+       0,
+       MakeBinPicking},
+      {"box-close",
+       "sawyer_xyz/sawyer_box.xml",
+       {-0.05, 0.5, 0.02, -0.1, 0.7, 0.133},
+       {0.05, 0.55, 0.02, 0.1, 0.8, 0.133},
+       0.25,
+       MakeBoxClose},
+      {"push",
+       "sawyer_xyz/sawyer_push_v3.xml",
+       {-0.1, 0.6, 0.02, -0.1, 0.8, 0.01},
+       {0.1, 0.7, 0.02, 0.1, 0.9, 0.02},
+       0.15,
+       MakePush},
+  };
+  return tasks;
+}
+
+std::vector<std::string> TaskNames() {
+  std::vector<std::string> names;
+  for (const TaskSpec& task : AllTasks()) names.push_back(task.name);
+  return names;
+}
+
+const TaskSpec& FindTask(const std::string& spelling) {
+  const auto named = [&spelling](const TaskSpec& task) {
+    return spelling == task.name || spelling == task.name + "-v2" || spelling == task.name + "-v3";
+  };
+  const auto& tasks = AllTasks();
+  const auto found = std::find_if(tasks.begin(), tasks.end(), named);
+  if (found == tasks.end()) throw std::invalid_argument(UnknownName("task", spelling, TaskNames()));
+  return *found;
+}
+
+}  // namespace metronome::metaworld

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "actor/metaworld/environment.h"
+
+namespace metronome::metaworld {
+
+class SawyerEnvironment;
+
+/// Everything about a task that is not its behaviour. One row of the table a task; behaviour is in
+/// tasks/NAME.cc. Sources: reference spec sections 1 and 4.
+struct TaskSpec {
+  std::string name;   // canonical, e.g. "push"; "push-v2" and "push-v3" name the same task
+  std::string scene;  // XML file, relative to the assets folder
+  RandVec low, high;  // box that a placement is drawn from, metres
+  /// A placement whose planar distance between object and goal is below this is drawn again,
+  /// metres; 0: every placement is taken.
+  double min_planar_distance;
+  std::unique_ptr<SawyerEnvironment> (*make)(const TaskSpec&, const EnvironmentOptions&);
+};
+
+/// The table, in alphabetical order. Thread-safe.
+const std::vector<TaskSpec>& AllTasks();
+
+/// Canonical names, in the table's order.
+std::vector<std::string> TaskNames();
+
+/// @param spelling  NAME, NAME-v2 or NAME-v3.
+/// @throws std::invalid_argument for any other, naming the near miss and the list.
+const TaskSpec& FindTask(const std::string& spelling);
+
+}  // namespace metronome::metaworld

@@ -1,0 +1,81 @@
+#include <cmath>
+#include <optional>
+
+#include "actor/metaworld/sawyer.h"
+
+/// Carry a cube from one bin to the other. Reference spec sections 4 and 6.
+namespace metronome::metaworld {
+namespace {
+
+constexpr CagingShape kCaging = {
+    .object_radius = 0.015, .pad_success = 0.05, .xz_threshold = 0.01, .effort = 0.7};
+
+/// Height below which the hand is penalised at planar distance `radius` from a bin's centre: a
+/// funnel around it.
+double FunnelHeight(double radius) {
+  return radius > 0.03 ? 0.02 * std::log(radius - 0.03) + 0.2 : 0;
+}
+
+class BinPicking final : public SawyerEnvironment {
+ public:
+  BinPicking(const TaskSpec& task, const EnvironmentOptions& options)
+      : SawyerEnvironment(task, options, {{0, 0.6, 0.2}, {-0.5, 0.4, 0.07}, {0.5, 1, 0.5}, true}),
+        object_(Body("obj")),
+        bin_(Body("bin_goal")) {}
+
+ private:
+  void EditModel(const RandVec&) override {}
+
+  void PlaceObject(const RandVec& p) override {
+    object_init_ = {p[0], p[1], BodyPosition(object_).z()};  // the cube rests in the bin
+    SetObject(object_init_);
+    target_ = BodyPosition(bin_);  // the placement's goal part is drawn but not used
+    first_distance_.reset();
+  }
+
+  [[nodiscard]] ObjectPose Object() const override {
+    return {BodyPosition(object_), BodyQuaternion(object_)};
+  }
+
+  Outcome Evaluate(const Observation& observation, const Action& action) override {
+    const Eigen::Vector3d hand = At3(observation.data(), 0);
+    const Eigen::Vector3d object = At3(observation.data() + 4, 0);
+    const double to_target = (object - target_).norm();
+    if (!first_distance_) first_distance_ = to_target;  // at the first step, not at reset
+    const double in_place = LongTail(to_target, 0, 0.05, *first_distance_);
+    const Scalar grasp = Caging(object, kCaging, action[3]);
+
+    Scalar reward = Hamacher(grasp, in_place);
+    const bool near = (object - hand).norm() < 0.04;
+    const bool lifted = object.z() - 0.02 > object_init_.z();
+    const bool grasped = near && lifted && !(observation[3] < 0.43);
+    if (grasped) reward = reward + (1 + 5 * Hamacher(AboveFloor(hand), in_place));
+    if (to_target < 0.05) reward = 10;
+    return {reward.value(),
+            {.success = to_target <= 0.05,
+             .near_object = near ? 1.0 : 0.0,
+             .grasp_success = grasped ? 1.0 : 0.0,
+             .grasp_reward = grasp.value(),
+             .in_place_reward = in_place,
+             .obj_to_target = to_target}};
+  }
+
+  /// 1 while the hand stays above the funnels of both bins, so that it clears their walls.
+  [[nodiscard]] double AboveFloor(const Eigen::Vector3d& hand) const {
+    const double floor = std::min(FunnelHeight(PlanarNorm(hand - object_init_)),
+                                  FunnelHeight(PlanarNorm(hand - target_)));
+    return hand.z() >= floor ? 1 : LongTail(std::max(floor - hand.z(), 0.0), 0, 0.01, 0.05);
+  }
+
+  int object_, bin_;
+  std::optional<double> first_distance_;
+};
+
+}  // namespace
+
+std::unique_ptr<SawyerEnvironment> MakeBinPicking(const TaskSpec& task,
+                                                  const EnvironmentOptions& options) {
+  return std::make_unique<BinPicking>(task, options);
+}
+
+}  // namespace metronome::metaworld
