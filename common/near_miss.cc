@@ -69,12 +69,14 @@ std::optional<std::string> NearMiss(std::string_view name,
 
 std::string UnknownName(std::string_view kind, std::string_view name,
                         const std::vector<std::string>& candidates) {
+  return UnknownName(kind, name, candidates, NearMiss(name, candidates));
+}
+
+std::string UnknownName(std::string_view kind, std::string_view name,
+                        const std::vector<std::string>& candidates,
+                        const std::optional<std::string>& near) {
   std::string message = "unknown " + std::string(kind) + " \"" + std::string(name) + "\"";
-  if (const auto near = NearMiss(name, candidates))
-    message += "; did you mean \"" + *near + "\"?";
-  else
-    message += ".";
-  message += " Known: ";
+  message += near ? "; did you mean \"" + *near + "\"? Known: " : ". Known: ";
   for (std::size_t i = 0; i < candidates.size(); ++i) message += (i ? ", " : "") + candidates[i];
   return message;
 }

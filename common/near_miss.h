@@ -22,5 +22,9 @@ std::optional<std::string> NearMiss(std::string_view name,
 /// is near.
 std::string UnknownName(std::string_view kind, std::string_view name,
                         const std::vector<std::string>& candidates);
+/// The same with the near miss given.
+std::string UnknownName(std::string_view kind, std::string_view name,
+                        const std::vector<std::string>& candidates,
+                        const std::optional<std::string>& near);
 
 }  // namespace metronome

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/message.h>
+
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+/// Configuration fields by dotted path ("ppo.learning_rate"), by Protobuf reflection.
+/// All functions are free of state.
+namespace metronome {
+
+/// The configuration cannot be used as it is; what() names field, value and what is allowed, one
+/// complaint a line. Processes print it and exit 2.
+class ConfigError : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Names of a message's fields, in declaration order.
+std::vector<std::string> FieldNames(const google::protobuf::Descriptor& message);
+
+/// What people type for an enum: "ppo-time" for PPO_TIME; a prefix that repeats the enum's own name
+/// is left out ("random" for PLACEMENTS_RANDOM).
+std::vector<std::string> EnumWords(const google::protobuf::EnumDescriptor& type);
+
+/// Called with the dotted path of a leaf, the message that owns it and its field.
+using FieldVisitor =
+    std::function<void(const std::string& path, const google::protobuf::Message& owner,
+                       const google::protobuf::FieldDescriptor& field)>;
+
+/// Visits every leaf of the configuration, set or not, in declaration order.
+void VisitFields(const google::protobuf::Message& message, const FieldVisitor& visit);
+
+/// A leaf's value (its default if unset) as people write it: numbers in shortest form, enums as
+/// words, repeated fields joined by commas.
+std::string FieldText(const google::protobuf::Message& owner,
+                      const google::protobuf::FieldDescriptor& field);
+
+/// Sets the leaf at `path` from text; a repeated leaf takes a comma-separated list, which replaces
+/// what was there. Types and ranges of types are checked, ranges of meaning are Validate's.
+/// @throws ConfigError for an unknown path (near miss and list of that message's fields), a path
+///         that is no leaf, or a text of another type.
+void SetField(google::protobuf::Message& message, const std::string& path, const std::string& text);
+
+/// Sets in `base` every leaf that is set in `top`; repeated leaves are replaced, not appended to.
+void Overlay(google::protobuf::Message& base, const google::protobuf::Message& top);
+
+/// Sets every unset leaf that declares a default to it, so that a printout shows all.
+void FillDefaults(google::protobuf::Message& message);
+
+}  // namespace metronome

@@ -1,0 +1,106 @@
+#include "common/files.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+namespace metronome {
+namespace {
+
+[[noreturn]] void Fail(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// An open file descriptor; closes at the end of its scope.
+class Descriptor {
+ public:
+  Descriptor(const std::string& path, int flags) : path_(path) {
+    fd_ = open(path.c_str(), flags | O_CLOEXEC, 0644);
+    if (fd_ < 0) Fail("cannot open " + path);
+  }
+  ~Descriptor() { close(fd_); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  void Write(std::string_view content) {
+    while (!content.empty()) {
+      const ssize_t written = write(fd_, content.data(), content.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) Fail("cannot write " + path_);
+      content.remove_prefix(static_cast<std::size_t>(written));
+    }
+  }
+
+  std::string ReadAll() {
+    std::string content;
+    std::array<char, 65536> block{};
+    for (;;) {
+      const ssize_t got = read(fd_, block.data(), block.size());
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) Fail("cannot read " + path_);
+      if (got == 0) return content;
+      content.append(block.data(), static_cast<std::size_t>(got));
+    }
+  }
+
+  void Sync() {
+    if (fsync(fd_) != 0) Fail("cannot sync " + path_);
+  }
+
+ private:
+  std::string path_;
+  int fd_ = -1;
+};
+
+/// A path beside `path` that is removed again unless Commit ran.
+class Temporary {
+ public:
+  explicit Temporary(std::string path)
+      : path_(std::move(path)), name_(path_ + ".tmp." + std::to_string(getpid())) {
+    unlink(name_.c_str());  // left by a killed process of the same id
+  }
+  ~Temporary() {
+    if (!committed_) unlink(name_.c_str());
+  }
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+  void Commit() {
+    if (rename(name_.c_str(), path_.c_str()) != 0) Fail("cannot replace " + path_);
+    committed_ = true;
+    const std::string folder = std::filesystem::path(path_).parent_path().string();
+    Descriptor(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY).Sync();
+  }
+
+ private:
+  std::string path_, name_;
+  bool committed_ = false;
+};
+
+}  // namespace
+
+std::string ReadFile(const std::string& path) { return Descriptor(path, O_RDONLY).ReadAll(); }
+
+void WriteFileAtomically(const std::string& path, std::string_view content) {
+  Temporary temporary(path);
+  {
+    Descriptor file(temporary.name(), O_WRONLY | O_CREAT | O_EXCL);
+    file.Write(content);
+    file.Sync();
+  }
+  temporary.Commit();
+}
+
+void ReplaceSymlink(const std::string& link, const std::string& target) {
+  Temporary temporary(link);
+  if (symlink(target.c_str(), temporary.name().c_str()) != 0) Fail("cannot link " + link);
+  temporary.Commit();
+}
+
+}  // namespace metronome

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+/// Files that are whole or not there at all. No function keeps state; thread-safe on distinct
+/// paths. Every error is a std::system_error whose what() names the path.
+namespace metronome {
+
+/// The whole content of a file. @throws std::system_error if it cannot be read (a folder, say).
+std::string ReadFile(const std::string& path);
+
+/// Writes `content` to `path` so that, whatever happens, the path holds the old content or the new:
+/// a temporary file in the same folder is written, synced and renamed, then the folder is synced.
+/// @throws std::system_error (disk full, no folder); the old content stays and the temporary is
+///         gone.
+void WriteFileAtomically(const std::string& path, std::string_view content);
+
+/// Points the symbolic link at `target` (relative to the link's folder), replacing an older link
+/// in one step. @throws std::system_error; an older link stays.
+void ReplaceSymlink(const std::string& link, const std::string& target);
+
+}  // namespace metronome
