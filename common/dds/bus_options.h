@@ -1,0 +1,50 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace metronome {
+
+enum class Transport { kUdp, kSharedMemory };
+
+/// Where participants of a run look for each other.
+struct Network {
+  enum class Scope {
+    kLoopback,  // 127.0.0.1 alone, discovery too: nothing leaves this machine
+    kLan,       // all interfaces, discovery by multicast
+    kPeers,     // all interfaces, discovery by unicast to the peers (and to this machine)
+  };
+  struct Peer {
+    std::string address;     // IPv4, numeric
+    std::uint16_t port = 0;  // of its discovery traffic; 0: the well-known ports of the domain
+    bool operator==(const Peer&) const = default;
+  };
+  Scope scope = Scope::kLoopback;
+  std::vector<Peer> peers;  // of kPeers, at least one
+};
+
+/// @param text  "udp" or "shm".
+/// @throws std::invalid_argument that names the text and the choices.
+Transport ParseTransport(const std::string& text);
+
+/// @param text  "loopback", "lan" or comma-separated peers "host[:port]"; host names are looked up
+///              (which may block as long as the resolver does).
+/// @throws std::invalid_argument that names the part that is not understood or not found.
+Network ParseNetwork(const std::string& text);
+
+/// How to join a run on the wire.
+struct BusOptions {
+  std::string run_name;      // the DDS partition: 1..64 of letters, digits, '.', '_' and '-'
+  std::uint32_t domain = 0;  // 0..232
+  Transport transport = Transport::kUdp;
+  Network network;
+  /// How long the learner's destructor waits for the last description to be acknowledged.
+  std::chrono::milliseconds close_timeout{2000};
+};
+
+/// @throws std::invalid_argument that names the first field out of range.
+void CheckBusOptions(const BusOptions& options);
+
+}  // namespace metronome

@@ -1,0 +1,228 @@
+#include "common/dds/convert.h"
+
+#include <zlib.h>
+
+#include <bit>
+#include <cmath>
+#include <string>
+
+namespace metronome::dds {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the checksum is over native bytes");
+static_assert(wire::kMaxObservations == (wire::kMaxSteps + 1) * kObservationSize);
+static_assert(wire::kMaxActions == wire::kMaxSteps * kActionSize);
+static_assert(wire::kMaxObservationSize == kObservationSize);
+
+constexpr std::uint32_t kMaxSlots = 4096;  // an actor with more is lying
+
+void CheckAtMost(std::size_t size, std::size_t bound, const std::string& field) {
+  if (size <= bound) return;
+  throw Malformed(field + " has " + std::to_string(size) + " elements, the wire carries at most " +
+                  std::to_string(bound));
+}
+
+void CheckExactly(std::size_t size, std::size_t expected, const std::string& field) {
+  if (size == expected) return;
+  throw Malformed(field + " has " + std::to_string(size) + " elements instead of " +
+                  std::to_string(expected));
+}
+
+template <class FixedString>
+void CopyText(const std::string& text, const std::string& field, FixedString* out) {
+  CheckAtMost(text.size(), FixedString::max_size, field);
+  *out = text;
+}
+
+void CheckSnapshotSizes(std::size_t parameters, std::size_t mean, std::size_t inv_std) {
+  CheckAtMost(parameters, wire::kMaxParameters, "parameters");
+  CheckExactly(mean, kObservationSize, "observation_mean");
+  CheckExactly(inv_std, kObservationSize, "observation_inv_std");
+}
+
+/// Every array against the number of rewards, which is T.
+void CheckEpisodeSizes(const Episode& episode) {
+  const std::size_t steps = episode.reward.size();
+  if (steps == 0) throw Malformed("reward is empty: an episode has at least one step");
+  CheckAtMost(steps, wire::kMaxSteps, "reward");
+  CheckExactly(episode.observation.size(), (steps + 1) * kObservationSize, "observation");
+  CheckExactly(episode.action.size(), steps * kActionSize, "action");
+  CheckExactly(episode.log_prob.size(), steps, "log_prob");
+  CheckExactly(episode.head.size(), steps, "head");
+  CheckExactly(episode.flags.size(), steps, "flags");
+}
+
+}  // namespace
+
+std::uint32_t SnapshotChecksum(const PolicySnapshot& snapshot) {
+  uLong crc = crc32(0, nullptr, 0);
+  const auto add = [&crc](const void* data, std::size_t bytes) {
+    crc = crc32_z(crc, static_cast<const Bytef*>(data), bytes);
+  };
+  add(&snapshot.version, sizeof snapshot.version);
+  for (const auto* array :
+       {&snapshot.parameters, &snapshot.observation_mean, &snapshot.observation_inv_std}) {
+    add(array->data(), array->size() * sizeof(float));
+  }
+  return static_cast<std::uint32_t>(crc);
+}
+
+wire::RunDescription ToWire(const RunDescription& message) {
+  CheckAtMost(message.config.size(), wire::kMaxConfigBytes, "config");
+  wire::RunDescription sample;
+  sample.protocol_version(message.protocol_version);
+  sample.incarnation(message.incarnation);
+  sample.learner_id(message.learner_id);
+  CopyText(message.run_name, "run_name", &sample.run_name());
+  CopyText(message.engine, "engine", &sample.engine());
+  CopyText(message.build, "build", &sample.build());
+  sample.config().assign(message.config.begin(), message.config.end());
+  sample.serving(message.serving);
+  sample.finished(message.finished);
+  return sample;
+}
+
+RunDescription FromWire(const wire::RunDescription& sample) {
+  CheckAtMost(sample.config().size(), wire::kMaxConfigBytes, "config");
+  RunDescription message;
+  message.protocol_version = sample.protocol_version();
+  message.incarnation = sample.incarnation();
+  message.learner_id = sample.learner_id();
+  message.run_name = sample.run_name().to_string();
+  message.engine = sample.engine().to_string();
+  message.build = sample.build().to_string();
+  message.config.assign(sample.config().begin(), sample.config().end());
+  message.serving = sample.serving();
+  message.finished = sample.finished();
+  return message;
+}
+
+wire::PolicySnapshot ToWire(const PolicySnapshot& message) {
+  CheckSnapshotSizes(message.parameters.size(), message.observation_mean.size(),
+                     message.observation_inv_std.size());
+  wire::PolicySnapshot sample;
+  sample.protocol_version(kProtocolVersion);
+  sample.incarnation(message.incarnation);
+  sample.version(message.version);
+  sample.checksum(SnapshotChecksum(message));
+  sample.parameters(message.parameters);
+  sample.observation_mean(message.observation_mean);
+  sample.observation_inv_std(message.observation_inv_std);
+  return sample;
+}
+
+PolicySnapshot FromWire(const wire::PolicySnapshot& sample) {
+  CheckSnapshotSizes(sample.parameters().size(), sample.observation_mean().size(),
+                     sample.observation_inv_std().size());
+  PolicySnapshot message;
+  message.incarnation = sample.incarnation();
+  message.version = sample.version();
+  message.parameters = sample.parameters();
+  message.observation_mean = sample.observation_mean();
+  message.observation_inv_std = sample.observation_inv_std();
+  if (SnapshotChecksum(message) != sample.checksum()) {
+    throw Malformed("checksum of version " + std::to_string(message.version) + " does not hold");
+  }
+  return message;
+}
+
+wire::EpisodeOrder ToWire(const EpisodeOrder& message) {
+  CheckAtMost(message.numbers.size(), wire::kMaxOrderNumbers, "numbers");
+  wire::EpisodeOrder sample;
+  sample.protocol_version(kProtocolVersion);
+  sample.incarnation(message.incarnation);
+  sample.actor_id(message.actor_id);
+  sample.kind(static_cast<std::uint8_t>(message.kind));
+  sample.weights_version(message.weights_version);
+  sample.numbers(message.numbers);
+  CopyText(message.reason, "reason", &sample.reason());
+  return sample;
+}
+
+EpisodeOrder FromWire(const wire::EpisodeOrder& sample) {
+  CheckAtMost(sample.numbers().size(), wire::kMaxOrderNumbers, "numbers");
+  if (sample.kind() > static_cast<std::uint8_t>(EpisodeOrder::Kind::kRefuse)) {
+    throw Malformed("kind " + std::to_string(sample.kind()) + " of order is unknown");
+  }
+  EpisodeOrder message;
+  message.incarnation = sample.incarnation();
+  message.actor_id = sample.actor_id();
+  message.kind = static_cast<EpisodeOrder::Kind>(sample.kind());
+  message.weights_version = sample.weights_version();
+  message.numbers = sample.numbers();
+  message.reason = sample.reason().to_string();
+  return message;
+}
+
+wire::Episode ToWire(const EpisodeMessage& message) {
+  const Episode& episode = message.episode;
+  CheckEpisodeSizes(episode);
+  wire::Episode sample;
+  sample.protocol_version(kProtocolVersion);
+  sample.incarnation(message.incarnation);
+  sample.actor_id(message.actor_id);
+  sample.number(episode.number);
+  sample.weights_version(episode.weights_version);
+  sample.observation(episode.observation);
+  sample.action(episode.action);
+  sample.log_prob(episode.log_prob);
+  sample.reward(episode.reward);
+  sample.head(episode.head);
+  sample.flags(episode.flags);
+  return sample;
+}
+
+EpisodeMessage FromWire(const wire::Episode& sample) {
+  EpisodeMessage message;
+  message.incarnation = sample.incarnation();
+  message.actor_id = sample.actor_id();
+  Episode& episode = message.episode;
+  episode.number = sample.number();
+  episode.weights_version = sample.weights_version();
+  episode.observation = sample.observation();
+  episode.action = sample.action();
+  episode.log_prob = sample.log_prob();
+  episode.reward = sample.reward();
+  episode.head = sample.head();
+  episode.flags = sample.flags();
+  CheckEpisodeSizes(episode);
+  return message;
+}
+
+wire::ActorStatus ToWire(const ActorStatus& message) {
+  wire::ActorStatus sample;
+  sample.protocol_version(message.protocol_version);
+  sample.incarnation(message.incarnation);
+  sample.actor_id(message.actor_id);
+  CopyText(message.host, "host", &sample.host());
+  sample.pid(message.pid);
+  CopyText(message.engine, "engine", &sample.engine());
+  CopyText(message.build, "build", &sample.build());
+  CopyText(message.canonical_digest, "canonical_digest", &sample.canonical_digest());
+  sample.slots(message.slots);
+  sample.episodes_done(message.episodes_done);
+  sample.steps_per_second(message.steps_per_second);
+  return sample;
+}
+
+ActorStatus FromWire(const wire::ActorStatus& sample) {
+  if (!std::isfinite(sample.steps_per_second()) || sample.steps_per_second() < 0) {
+    throw Malformed("steps_per_second is not a rate");
+  }
+  CheckAtMost(sample.slots(), kMaxSlots, "slots");
+  ActorStatus message;
+  message.protocol_version = sample.protocol_version();
+  message.actor_id = sample.actor_id();
+  message.incarnation = sample.incarnation();
+  message.host = sample.host().to_string();
+  message.pid = sample.pid();
+  message.engine = sample.engine().to_string();
+  message.build = sample.build().to_string();
+  message.canonical_digest = sample.canonical_digest().to_string();
+  message.slots = sample.slots();
+  message.episodes_done = sample.episodes_done();
+  message.steps_per_second = sample.steps_per_second();
+  return message;
+}
+
+}  // namespace metronome::dds

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "common/bus.h"
+#include "common/dds/bus_options.h"
+
+/// The wire: common/bus.h over Fast DDS. One participant per bus, and one bus per process (two in
+/// one process work, over the transport like strangers; tests do that).
+///
+/// Samples that cannot be right come out as BadSample, whatever bytes they hold. Exceptions to
+/// that: an ActorStatus or RunDescription of another protocol version comes out as itself, with its
+/// protocol_version, incarnation and id alone, so that both ends can refuse by naming both
+/// versions.
+namespace metronome {
+
+/// @throws std::invalid_argument for bad options, std::runtime_error if Fast DDS will not start.
+std::unique_ptr<LearnerBus> MakeDdsLearnerBus(const BusOptions& options);
+
+/// @param actor_id  random per process; orders for others are filtered out by it.
+/// @throws as MakeDdsLearnerBus.
+std::unique_ptr<ActorBus> MakeDdsActorBus(const BusOptions& options, std::uint64_t actor_id);
+
+}  // namespace metronome

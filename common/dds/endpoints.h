@@ -1,0 +1,119 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "common/dds/convert.h"
+#include "common/dds/participant.h"
+#include "common/dds/peer_watch.h"
+
+/// Typed ends of one topic, in terms of messages. Thread-safe.
+namespace metronome::dds {
+
+using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
+
+enum class WriteResult { kWritten, kFull };
+
+template <class PubSubType>
+class Writer {
+ public:
+  using Wire = typename PubSubType::type;
+
+  Writer(Participant* participant, const TopicProfile& profile, fdds::DataWriterListener* listener)
+      : profile_(profile), writer_(participant->MakeWriter<PubSubType>(profile, listener)) {}
+
+  /// Blocks at most the profile's max_blocking_time while the reliable history is full.
+  /// @throws Malformed for a message beyond the wire's bounds, std::runtime_error otherwise.
+  template <class Message>
+  WriteResult Write(const Message& message) {
+    Envelope<Wire> envelope;
+    envelope.value = ToWire(message);
+    // Not write(void*): its bool merges a full history with a failed encode.
+    const ReturnCode code = writer_->write(&envelope, fdds::HANDLE_NIL);
+    if (code == ReturnCode::RETCODE_OK) return WriteResult::kWritten;
+    if (code == ReturnCode::RETCODE_TIMEOUT) return WriteResult::kFull;
+    throw std::runtime_error(std::string("writing ") + profile_.name + ": Fast DDS return code " +
+                             std::to_string(code()));
+  }
+
+  /// @return whether all readers have all samples before `timeout` is over.
+  bool WaitForAcknowledgements(std::chrono::milliseconds timeout) {
+    const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(timeout).count();
+    const eprosima::fastrtps::Duration_t duration(
+        static_cast<std::int32_t>(nanoseconds / 1'000'000'000),
+        static_cast<std::uint32_t>(nanoseconds % 1'000'000'000));
+    return writer_->wait_for_acknowledgments(duration) == ReturnCode::RETCODE_OK;
+  }
+
+ private:
+  const TopicProfile profile_;
+  fdds::DataWriter* const writer_;
+};
+
+/// What a writer's sample turned into: a message, or why there is none.
+template <class Message>
+struct Taken {
+  std::variant<Message, BadSample> content;
+  Header header;
+  bool foreign_version = false;  // content is a BadSample that names both versions
+  fdds::InstanceHandle_t writer;
+};
+
+template <class PubSubType>
+class Reader {
+ public:
+  using Wire = typename PubSubType::type;
+  using Message = decltype(FromWire(std::declval<const Wire&>()));
+
+  Reader(Participant* participant, const TopicProfile& profile, WriterWatch* watch,
+         std::optional<std::uint64_t> only_actor_id = std::nullopt)
+      : profile_(profile),
+        watch_(watch),
+        reader_(participant->MakeReader<PubSubType>(profile, watch, only_actor_id)) {}
+
+  /// The oldest sample received, or std::nullopt if there is none. Never blocks.
+  std::optional<Taken<Message>> Take() {
+    fdds::SampleInfo info;
+    do {
+      Envelope<Wire> envelope;
+      const ReturnCode code = reader_->take_next_sample(&envelope, &info);
+      if (code == ReturnCode::RETCODE_NO_DATA) {
+        watch_->Drained();
+        return std::nullopt;
+      }
+      if (code != ReturnCode::RETCODE_OK) {
+        throw std::runtime_error(std::string("reading ") + profile_.name +
+                                 ": Fast DDS return code " + std::to_string(code()));
+      }
+      if (info.valid_data) return Open(envelope, info.publication_handle);
+    } while (true);
+  }
+
+ private:
+  Taken<Message> Open(const Envelope<Wire>& envelope, const fdds::InstanceHandle_t& writer) const {
+    Taken<Message> taken{BadSample{profile_.name, envelope.error}, envelope.header,
+                         envelope.foreign_version, writer};
+    if (envelope.foreign_version) {
+      taken.content = BadSample{
+          profile_.name, "protocol version " + std::to_string(envelope.header.protocol_version) +
+                             ", this build speaks " + std::to_string(kProtocolVersion)};
+    } else if (envelope.error.empty()) {
+      try {
+        taken.content = FromWire(envelope.value);
+      } catch (const Malformed& error) {
+        taken.content = BadSample{profile_.name, error.what()};
+      }
+    }
+    return taken;
+  }
+
+  const TopicProfile profile_;
+  WriterWatch* const watch_;
+  fdds::DataReader* const reader_;
+};
+
+}  // namespace metronome::dds

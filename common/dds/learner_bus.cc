@@ -1,0 +1,111 @@
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "common/dds/dds_bus.h"
+#include "common/dds/endpoints.h"
+#include "common/dds/inbox.h"
+#include "common/dds/learner_sightings.h"
+
+namespace metronome {
+namespace {
+
+using dds::Inbox;
+using dds::ReaderWatch;
+using dds::WriterWatch;
+
+class DdsLearnerBus final : public LearnerBus {
+ public:
+  explicit DdsLearnerBus(const BusOptions& options)
+      : close_timeout_(options.close_timeout), participant_(options, "learner") {}
+
+  ~DdsLearnerBus() override { descriptions_.WaitForAcknowledgements(close_timeout_); }
+
+  void Publish(const RunDescription& description) override { descriptions_.Write(description); }
+  void Publish(const PolicySnapshot& snapshot) override { snapshots_.Write(snapshot); }
+
+  bool Send(const EpisodeOrder& order) override {
+    const auto process = status_watch_.ProcessOf(order.actor_id);
+    if (!process || !order_watch_.IsReadBy(*process)) return false;
+    return orders_.Write(order) == dds::WriteResult::kWritten;
+  }
+
+  std::optional<LearnerEvent> Wait(Clock::time_point deadline) override {
+    return inbox_.Wait(deadline, [this] { return Next(); });
+  }
+
+  void Wake() override { inbox_.Wake(); }
+  std::uint64_t bytes_sent() const override { return participant_.traffic().sent; }
+  std::uint64_t bytes_received() const override { return participant_.traffic().received; }
+
+ private:
+  std::optional<LearnerEvent> Next() {
+    const std::lock_guard lock(next_mutex_);
+    if (inbox_.TakeWoken()) return Woken{};
+    if (const auto id = status_watch_.NextLost()) return ActorLost{*id};
+    if (auto event = NextRival()) return event;
+    if (auto event = NextStatus()) return event;
+    if (auto taken = episodes_.Take()) {
+      return std::visit([](auto&& content) { return LearnerEvent(std::move(content)); },
+                        std::move(taken->content));
+    }
+    return std::nullopt;
+  }
+
+  std::optional<LearnerEvent> NextRival() {
+    const auto event = sightings_.Next();
+    if (!event) return std::nullopt;
+    if (const auto* description = std::get_if<RunDescription>(&*event)) {
+      return RivalSeen{*description};
+    }
+    if (const auto* gone = std::get_if<dds::LearnerGone>(&*event)) {
+      return RivalLost{gone->learner_id};
+    }
+    return std::get<BadSample>(*event);
+  }
+
+  std::optional<LearnerEvent> NextStatus() {
+    while (auto taken = statuses_.Take()) {
+      if (taken->foreign_version) {
+        ActorStatus foreign;  // the caller refuses it, both versions named
+        foreign.protocol_version = taken->header.protocol_version;
+        foreign.incarnation = taken->header.incarnation;
+        foreign.actor_id = taken->header.id;
+        taken->content = foreign;
+      }
+      if (auto* bad = std::get_if<BadSample>(&taken->content)) return std::move(*bad);
+      auto& status = std::get<ActorStatus>(taken->content);
+      if (status_watch_.Saw(taken->writer, status.actor_id)) return std::move(status);
+    }
+    return std::nullopt;
+  }
+
+  const std::chrono::milliseconds close_timeout_;
+  std::mutex next_mutex_;
+  // Before the participant: no listener may be called once it is gone.
+  Inbox inbox_;
+  ReaderWatch order_watch_{&inbox_};
+  WriterWatch status_watch_{&inbox_};
+  WriterWatch episode_watch_{&inbox_};
+  WriterWatch learner_watch_{&inbox_};
+  dds::Participant participant_;
+  dds::Writer<wire::RunDescriptionPubSubType> descriptions_{&participant_,
+                                                            dds::kRunDescriptionTopic, nullptr};
+  dds::Writer<wire::PolicySnapshotPubSubType> snapshots_{&participant_, dds::kPolicySnapshotTopic,
+                                                         nullptr};
+  dds::Writer<wire::EpisodeOrderPubSubType> orders_{&participant_, dds::kEpisodeOrderTopic,
+                                                    &order_watch_};
+  dds::Reader<wire::ActorStatusPubSubType> statuses_{&participant_, dds::kActorStatusTopic,
+                                                     &status_watch_};
+  dds::Reader<wire::EpisodePubSubType> episodes_{&participant_, dds::kEpisodeTopic,
+                                                 &episode_watch_};
+  dds::LearnerSightings sightings_{&participant_, &learner_watch_};
+};
+
+}  // namespace
+
+std::unique_ptr<LearnerBus> MakeDdsLearnerBus(const BusOptions& options) {
+  return std::make_unique<DdsLearnerBus>(options);
+}
+
+}  // namespace metronome

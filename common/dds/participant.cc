@@ -1,0 +1,105 @@
+#include "common/dds/participant.h"
+
+#include <fastrtps/attributes/LibrarySettingsAttributes.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+
+#include <algorithm>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/topic/ContentFilteredTopic.hpp>
+#include <stdexcept>
+
+#include "common/dds/participant_qos.h"
+
+namespace metronome::dds {
+namespace {
+
+template <class Pointer>
+Pointer Made(Pointer entity, const std::string& what) {
+  if (entity == nullptr) throw std::runtime_error("Fast DDS did not make the " + what);
+  return entity;
+}
+
+void Check(const eprosima::fastrtps::types::ReturnCode_t& code, const std::string& what) {
+  using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
+  if (code != ReturnCode::RETCODE_OK) {
+    throw std::runtime_error(what + ": Fast DDS return code " + std::to_string(code()));
+  }
+}
+
+/// Buses of one process talk through the transport, so that tests see what machines see.
+void SwitchIntraprocessDeliveryOff() {
+  eprosima::fastrtps::LibrarySettingsAttributes settings;
+  settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+}
+
+}  // namespace
+
+ParticipantKey ParticipantOf(const fdds::InstanceHandle_t& endpoint) {
+  ParticipantKey key;
+  for (std::size_t i = 0; i < key.size(); ++i) key[i] = endpoint.value[i];
+  return key;
+}
+
+Participant::Participant(const BusOptions& options, const std::string& role) {
+  CheckBusOptions(options);
+  SwitchIntraprocessDeliveryOff();
+  auto* factory = fdds::DomainParticipantFactory::get_instance();
+  participant_ = Made(
+      factory->create_participant(options.domain, ParticipantQos(options, role)),
+      "participant in domain " + std::to_string(options.domain) + " (are its UDP ports free?)");
+  try {
+    fdds::PublisherQos publisher = fdds::PUBLISHER_QOS_DEFAULT;
+    publisher.partition().push_back(options.run_name.c_str());
+    publisher_ = Made(participant_->create_publisher(publisher), "publisher");
+    fdds::SubscriberQos subscriber = fdds::SUBSCRIBER_QOS_DEFAULT;
+    subscriber.partition().push_back(options.run_name.c_str());
+    subscriber_ = Made(participant_->create_subscriber(subscriber), "subscriber");
+  } catch (...) {
+    DeleteAll();
+    throw;
+  }
+}
+
+Participant::~Participant() { DeleteAll(); }
+
+void Participant::DeleteAll() {
+  participant_->delete_contained_entities();
+  fdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+}
+
+fdds::Topic* Participant::MakeTopic(const TopicProfile& profile, fdds::TypeSupport type) {
+  if (fdds::TopicDescription* known = participant_->lookup_topicdescription(profile.name)) {
+    return dynamic_cast<fdds::Topic*>(known);
+  }
+  Check(type.register_type(participant_), type.get_type_name());
+  return Made(
+      participant_->create_topic(profile.name, type.get_type_name(), fdds::TOPIC_QOS_DEFAULT),
+      std::string("topic ") + profile.name);
+}
+
+fdds::DataWriter* Participant::MakeWriter(fdds::Topic* topic, const TopicProfile& profile,
+                                          fdds::DataWriterListener* listener) {
+  return Made(publisher_->create_datawriter(topic, WriterQos(profile), listener),
+              std::string("writer of ") + profile.name);
+}
+
+fdds::DataReader* Participant::MakeReader(fdds::Topic* topic, const TopicProfile& profile,
+                                          fdds::DataReaderListener* listener,
+                                          std::optional<std::uint64_t> only_actor_id) {
+  fdds::TopicDescription* source = topic;
+  if (only_actor_id) {
+    source = Made(participant_->create_contentfilteredtopic(std::string(profile.name) + "/mine",
+                                                            topic, "actor_id = %0",
+                                                            {std::to_string(*only_actor_id)}),
+                  std::string("content filter of ") + profile.name);
+  }
+  return Made(subscriber_->create_datareader(source, ReaderQos(profile), listener),
+              std::string("reader of ") + profile.name);
+}
+
+bool Participant::Owns(const fdds::InstanceHandle_t& endpoint) const {
+  return ParticipantOf(endpoint) == ParticipantOf(participant_->get_instance_handle());
+}
+
+}  // namespace metronome::dds

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "common/dds/bus_options.h"
+#include "common/dds/topics.h"
+#include "common/dds/wire_type.h"
+
+namespace metronome::dds {
+
+namespace fdds = eprosima::fastdds::dds;
+
+/// The participant part of a GUID: equal for all endpoints of one process.
+using ParticipantKey = std::array<std::uint8_t, 12>;
+ParticipantKey ParticipantOf(const fdds::InstanceHandle_t& endpoint);
+
+/// A DDS participant with one publisher and one subscriber in the run's partition, and the factory
+/// of their endpoints. Owns everything it makes. Thread-safe once the endpoints are made.
+class Participant {
+ public:
+  /// @param role  "learner" or "actor": part of the name that DDS tools show.
+  /// @throws std::invalid_argument for bad options, std::runtime_error if Fast DDS will not start.
+  Participant(const BusOptions& options, const std::string& role);
+  /// Deletes all endpoints first. No listener is called any more once this returns.
+  ~Participant();
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  /// @param listener  may be null; must outlive the participant. @throws std::runtime_error.
+  template <class PubSubType>
+  fdds::DataWriter* MakeWriter(const TopicProfile& profile, fdds::DataWriterListener* listener) {
+    return MakeWriter(Register<PubSubType>(profile), profile, listener);
+  }
+
+  /// @param only_actor_id  content filter: samples for other actors never come out.
+  template <class PubSubType>
+  fdds::DataReader* MakeReader(const TopicProfile& profile, fdds::DataReaderListener* listener,
+                               std::optional<std::uint64_t> only_actor_id = std::nullopt) {
+    return MakeReader(Register<PubSubType>(profile), profile, listener, only_actor_id);
+  }
+
+  /// Whether the endpoint is one of this participant's own.
+  [[nodiscard]] bool Owns(const fdds::InstanceHandle_t& endpoint) const;
+  [[nodiscard]] const Traffic& traffic() const { return *traffic_; }
+
+ private:
+  template <class PubSubType>
+  fdds::Topic* Register(const TopicProfile& profile) {
+    return MakeTopic(profile,
+                     fdds::TypeSupport(new WireType<PubSubType>(profile.usual_bytes, traffic_)));
+  }
+  fdds::Topic* MakeTopic(const TopicProfile& profile, fdds::TypeSupport type);
+  fdds::DataWriter* MakeWriter(fdds::Topic* topic, const TopicProfile& profile,
+                               fdds::DataWriterListener* listener);
+  fdds::DataReader* MakeReader(fdds::Topic* topic, const TopicProfile& profile,
+                               fdds::DataReaderListener* listener,
+                               std::optional<std::uint64_t> only_actor_id);
+  void DeleteAll();
+
+  std::shared_ptr<Traffic> traffic_ = std::make_shared<Traffic>();
+  fdds::DomainParticipant* participant_ = nullptr;
+  fdds::Publisher* publisher_ = nullptr;
+  fdds::Subscriber* subscriber_ = nullptr;
+};
+
+}  // namespace metronome::dds

@@ -1,0 +1,89 @@
+#include "common/dds/participant_qos.h"
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <unistd.h>
+
+#include <memory>
+
+namespace metronome::dds {
+namespace {
+
+namespace fdds = eprosima::fastdds::dds;
+namespace fdds_rtps = eprosima::fastdds::rtps;
+namespace rtps = eprosima::fastrtps::rtps;
+
+constexpr const char* kLoopbackAddress = "127.0.0.1";
+constexpr const char* kDiscoveryGroup = "239.255.0.1";  // DDSI-RTPS 2.2, 9.6.1.4.1
+constexpr std::uint32_t kSocketBufferBytes = 4 << 20;
+constexpr std::uint32_t kSegmentBytes = 16 << 20;  // a history of episodes and then some
+// Participants a machine that unicast discovery without a port reaches.
+constexpr std::uint32_t kParticipantsPerPeer = 16;
+// Shared-memory ports are numbered by process, beyond any UDP port: a killed process leaves its
+// port behind locked, and one that takes its place must not run into it.
+constexpr std::uint32_t kFirstSharedMemoryPort = 1 << 16;
+
+rtps::Locator_t UdpLocator(const std::string& address, std::uint32_t port) {
+  rtps::Locator_t locator;
+  locator.kind = LOCATOR_KIND_UDPv4;
+  rtps::IPLocator::setIPv4(locator, address);
+  locator.port = port;
+  return locator;
+}
+
+std::shared_ptr<fdds_rtps::TransportDescriptorInterface> UdpTransport(const Network& network) {
+  auto udp = std::make_shared<fdds_rtps::UDPv4TransportDescriptor>();
+  udp->sendBufferSize = kSocketBufferBytes;
+  udp->receiveBufferSize = kSocketBufferBytes;
+  udp->maxInitialPeersRange = kParticipantsPerPeer;
+  if (network.scope == Network::Scope::kLoopback) {
+    udp->interfaceWhiteList.emplace_back(kLoopbackAddress);
+  }
+  return udp;
+}
+
+void SetDiscovery(const Network& network, fdds::WireProtocolConfigQos* wire) {
+  rtps::BuiltinAttributes& builtin = wire->builtin;
+  builtin.discovery_config.leaseDuration = {3, 0};
+  builtin.discovery_config.leaseDuration_announcementperiod = {1, 0};
+  builtin.metatrafficUnicastLocatorList.push_back(UdpLocator("0.0.0.0", 0));
+  // This machine by unicast always: not every kernel's loopback carries multicast.
+  builtin.initialPeersList.push_back(UdpLocator(kLoopbackAddress, 0));
+  if (network.scope == Network::Scope::kPeers) {
+    for (const Network::Peer& peer : network.peers) {
+      builtin.initialPeersList.push_back(UdpLocator(peer.address, peer.port));
+    }
+  } else {
+    builtin.initialPeersList.push_back(UdpLocator(kDiscoveryGroup, 0));
+  }
+}
+
+/// Samples between processes of one machine go through memory; discovery stays on UDP, which
+/// survives kills and respawns.
+void AddSharedMemory(fdds::DomainParticipantQos* qos) {
+  auto memory = std::make_shared<fdds_rtps::SharedMemTransportDescriptor>();
+  memory->segment_size(kSegmentBytes);
+  qos->transport().user_transports.push_back(memory);
+  rtps::Locator_t locator;
+  locator.kind = LOCATOR_KIND_SHM;
+  locator.port = kFirstSharedMemoryPort + static_cast<std::uint32_t>(getpid());
+  qos->wire_protocol().default_unicast_locator_list.push_back(locator);
+  qos->wire_protocol().default_unicast_locator_list.push_back(UdpLocator("0.0.0.0", 0));
+}
+
+}  // namespace
+
+fdds::DomainParticipantQos ParticipantQos(const BusOptions& options, const std::string& role) {
+  fdds::DomainParticipantQos qos = fdds::PARTICIPANT_QOS_DEFAULT;
+  qos.name("metronome-" + role + " " + options.run_name);
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(UdpTransport(options.network));
+  qos.transport().send_socket_buffer_size = kSocketBufferBytes;
+  qos.transport().listen_socket_buffer_size = kSocketBufferBytes;
+  SetDiscovery(options.network, &qos.wire_protocol());
+  if (options.transport == Transport::kSharedMemory) AddSharedMemory(&qos);
+  return qos;
+}
+
+}  // namespace metronome::dds

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
+#include <string>
+
+#include "common/dds/bus_options.h"
+
+namespace metronome::dds {
+
+/// Transports, discovery and leases of a participant, as the options ask.
+/// @param role  "learner" or "actor": shown by DDS tools as "metronome-learner RUN".
+eprosima::fastdds::dds::DomainParticipantQos ParticipantQos(const BusOptions& options,
+                                                            const std::string& role);
+
+}  // namespace metronome::dds

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+
+#include "common/dds/inbox.h"
+#include "common/dds/participant.h"
+
+namespace metronome::dds {
+
+/// Listens to one reader: tells the inbox of new samples, and notices when the process behind a
+/// writer is gone (its liveliness lease ran out, or it left). Thread-safe.
+class WriterWatch final : public fdds::DataReaderListener {
+ public:
+  explicit WriterWatch(Inbox* inbox) : inbox_(inbox) {}
+
+  /// A sample of peer `id` was taken. @return false if its writer is already gone, in which case
+  /// the sample is a ghost's and should be dropped.
+  bool Saw(const fdds::InstanceHandle_t& writer, std::uint64_t id);
+  /// The reader has no sample left, so none of a writer that left either.
+  void Drained();
+  /// The id of a peer that is gone, each once; oldest first.
+  std::optional<std::uint64_t> NextLost();
+  /// The id of a peer that was lost because its process had stopped for longer than the lease, and
+  /// that goes on. What it wrote before is not sent again.
+  std::optional<std::uint64_t> NextRevived();
+  /// The process that wrote the last sample seen of the peer, while it lives.
+  std::optional<ParticipantKey> ProcessOf(std::uint64_t id) const;
+
+  void on_data_available(fdds::DataReader* reader) override;
+  void on_subscription_matched(fdds::DataReader* reader,
+                               const fdds::SubscriptionMatchedStatus& status) override;
+  void on_liveliness_changed(fdds::DataReader* reader,
+                             const eprosima::fastrtps::LivelinessChangedStatus& status) override;
+
+ private:
+  enum class Cause { kSilent, kGone };
+  void Lose(const fdds::InstanceHandle_t& writer, Cause cause);
+  void Revive(const fdds::InstanceHandle_t& writer);
+
+  Inbox* const inbox_;
+  mutable std::mutex mutex_;
+  std::map<fdds::InstanceHandle_t, std::uint64_t> peers_;   // alive writers that were heard
+  std::map<fdds::InstanceHandle_t, std::uint64_t> silent_;  // writers heard, matched, not alive
+  std::set<fdds::InstanceHandle_t> dead_;  // writers whose samples may be left over
+  std::deque<std::uint64_t> lost_;         // at most one entry a writer that was heard
+  std::deque<std::uint64_t> revived_;
+};
+
+/// Which processes read what one writer writes. Thread-safe.
+class ReaderWatch final : public fdds::DataWriterListener {
+ public:
+  explicit ReaderWatch(Inbox* inbox) : inbox_(inbox) {}
+
+  [[nodiscard]] bool HasReader() const;
+  [[nodiscard]] bool IsReadBy(const ParticipantKey& process) const;
+
+  void on_publication_matched(fdds::DataWriter* writer,
+                              const fdds::PublicationMatchedStatus& status) override;
+
+ private:
+  Inbox* const inbox_;
+  mutable std::mutex mutex_;
+  std::multiset<ParticipantKey> readers_;
+};
+
+}  // namespace metronome::dds

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
+#include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
+
+#include "idl/metronomePubSubTypes.h"
+
+/// The five topics and their quality of service: the table of idl/README.md in code.
+namespace metronome::dds {
+
+struct TopicProfile {
+  const char* name;
+  bool transient_local;       // late readers get what the writer still keeps
+  bool keep_all;              // bounded by the depths, with back-pressure; else keep-last
+  std::int32_t writer_depth;  // samples a writer holds at most
+  std::int32_t reader_depth;  // samples a reader holds at most, of all writers together
+  std::uint32_t usual_bytes;  // size that buffers start with
+};
+
+/// Readers of the two keep-last topics hold more than one sample: rival learners share the topic.
+inline constexpr TopicProfile kRunDescriptionTopic{
+    "metronome/run_description", true, false, 1, 8, 1024};
+inline constexpr TopicProfile kPolicySnapshotTopic{
+    "metronome/policy_snapshot", true, false, 2, 8, 128 * 1024};
+inline constexpr TopicProfile kEpisodeOrderTopic{
+    "metronome/episode_order", false, true, 4096, 1024, 256};
+inline constexpr TopicProfile kEpisodeTopic{"metronome/episode", false, true, 32, 64, 96 * 1024};
+inline constexpr TopicProfile kActorStatusTopic{
+    "metronome/actor_status", false, false, 4, 256, 512};
+
+/// Reliable, automatic liveliness, data sharing off, finite resource limits.
+eprosima::fastdds::dds::DataWriterQos WriterQos(const TopicProfile& topic);
+eprosima::fastdds::dds::DataReaderQos ReaderQos(const TopicProfile& topic);
+
+}  // namespace metronome::dds
