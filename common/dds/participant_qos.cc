@@ -43,19 +43,21 @@ std::shared_ptr<fdds_rtps::TransportDescriptorInterface> UdpTransport(const Netw
   return udp;
 }
 
-void SetDiscovery(const Network& network, fdds::WireProtocolConfigQos* wire) {
+void SetDiscovery(const BusOptions& options, fdds::WireProtocolConfigQos* wire) {
   rtps::BuiltinAttributes& builtin = wire->builtin;
   builtin.discovery_config.leaseDuration = {3, 0};
   builtin.discovery_config.leaseDuration_announcementperiod = {1, 0};
   builtin.metatrafficUnicastLocatorList.push_back(UdpLocator("0.0.0.0", 0));
   // This machine by unicast always: not every kernel's loopback carries multicast.
   builtin.initialPeersList.push_back(UdpLocator(kLoopbackAddress, 0));
-  if (network.scope == Network::Scope::kPeers) {
-    for (const Network::Peer& peer : network.peers) {
+  if (options.network.scope == Network::Scope::kPeers) {
+    for (const Network::Peer& peer : options.network.peers) {
       builtin.initialPeersList.push_back(UdpLocator(peer.address, peer.port));
     }
   } else {
-    builtin.initialPeersList.push_back(UdpLocator(kDiscoveryGroup, 0));
+    const auto group = UdpLocator(kDiscoveryGroup, wire->port.getMulticastPort(options.domain));
+    builtin.metatrafficMulticastLocatorList.push_back(group);
+    builtin.initialPeersList.push_back(group);
   }
 }
 
@@ -81,7 +83,7 @@ fdds::DomainParticipantQos ParticipantQos(const BusOptions& options, const std::
   qos.transport().user_transports.push_back(UdpTransport(options.network));
   qos.transport().send_socket_buffer_size = kSocketBufferBytes;
   qos.transport().listen_socket_buffer_size = kSocketBufferBytes;
-  SetDiscovery(options.network, &qos.wire_protocol());
+  SetDiscovery(options, &qos.wire_protocol());
   if (options.transport == Transport::kSharedMemory) AddSharedMemory(&qos);
   return qos;
 }

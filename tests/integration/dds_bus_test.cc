@@ -1,0 +1,235 @@
+#include "common/dds/dds_bus.h"
+
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "tests/integration/dds_fixture.h"
+
+namespace metronome::test {
+namespace {
+
+constexpr std::uint64_t kBig = 0xFEDCBA9876543210;  // an id with its highest bit set
+
+class DdsBusTest : public testing::TestWithParam<Transport> {};
+
+TEST_P(DdsBusTest, EveryMessageArrivesAsItWasSent) {
+  const BusOptions options = FreshRun(GetParam());
+  const auto learner = MakeDdsLearnerBus(options);
+  const auto actor = MakeDdsActorBus(options, kBig);
+  const RunDescription description = SomeDescription(kBig - 1, options.run_name);
+  learner->Publish(description);
+  EXPECT_EQ(Next<RunDescription>(*actor), description);
+  const PolicySnapshot snapshot = SomeSnapshot(5);
+  learner->Publish(snapshot);
+  EXPECT_EQ(Next<PolicySnapshot>(*actor), snapshot);
+
+  ASSERT_TRUE(Join(*learner, *actor, kBig));
+  const ActorStatus status = SomeStatus(kBig);
+  actor->Send(status);
+  EXPECT_EQ(Next<ActorStatus>(*learner), status);
+  EpisodeOrder order = SomeOrder(kBig, 40);
+  order.kind = EpisodeOrder::Kind::kRefuse;
+  order.reason = "because";
+  ASSERT_TRUE(learner->Send(order));
+  EXPECT_EQ(Next<EpisodeOrder>(*actor), order);
+
+  const EpisodeMessage episode = SomeEpisode(40);
+  ASSERT_EQ(actor->Send(episode), ActorBus::SendResult::kSent);
+  const auto received = Next<EpisodeMessage>(*learner);
+  ASSERT_TRUE(received);
+  EXPECT_EQ(received->episode, episode.episode);
+  EXPECT_EQ(received->actor_id, episode.actor_id);
+  EXPECT_EQ(received->incarnation, episode.incarnation);
+  EXPECT_GT(learner->bytes_sent(), 30000 * sizeof(float));
+  EXPECT_GT(learner->bytes_received(), episode.episode.observation.size() * sizeof(float));
+}
+
+TEST_P(DdsBusTest, LateActorGetsTheDescriptionAndTheLastTwoSnapshots) {
+  const BusOptions options = FreshRun(GetParam());
+  const auto learner = MakeDdsLearnerBus(options);
+  RunDescription description = SomeDescription(1, options.run_name);
+  learner->Publish(description);
+  description.finished = true;
+  learner->Publish(description);
+  for (std::uint64_t version = 0; version < 5; ++version) learner->Publish(SomeSnapshot(version));
+  const auto actor = MakeDdsActorBus(options, 11);
+  std::vector<std::uint64_t> versions;
+  std::vector<RunDescription> descriptions;
+  while (versions.size() < 2 || descriptions.empty()) {
+    const auto event = actor->Wait(Soon());
+    ASSERT_TRUE(event);
+    if (const auto* snapshot = std::get_if<PolicySnapshot>(&*event)) {
+      EXPECT_EQ(*snapshot, SomeSnapshot(snapshot->version));
+      versions.push_back(snapshot->version);
+    } else if (const auto* seen = std::get_if<RunDescription>(&*event)) {
+      descriptions.push_back(*seen);
+    }
+  }
+  EXPECT_EQ(versions, (std::vector<std::uint64_t>{3, 4}));
+  EXPECT_EQ(descriptions, std::vector<RunDescription>{description});
+}
+
+TEST_P(DdsBusTest, SnapshotOfAMillionParametersArrives) {
+  const BusOptions options = FreshRun(GetParam());
+  const auto learner = MakeDdsLearnerBus(options);
+  const auto actor = MakeDdsActorBus(options, 11);
+  const PolicySnapshot snapshot = SomeSnapshot(1, 1'000'000);
+  learner->Publish(snapshot);
+  EXPECT_EQ(Next<PolicySnapshot>(*actor), snapshot);
+}
+
+/// What the sending thread and the test tell each other.
+struct Progress {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::size_t sent = 0;
+};
+
+TEST_P(DdsBusTest, SlowLearnerHoldsActorsBackAndLosesNothing) {
+  constexpr std::size_t kEpisodes = 200;
+  constexpr std::size_t kBacklog = 64;  // what a learner holds that has not asked yet
+  const BusOptions options = FreshRun(GetParam());
+  const auto learner = MakeDdsLearnerBus(options);
+  const auto actor = MakeDdsActorBus(options, 11);
+  ASSERT_TRUE(Join(*learner, *actor, 11));
+  Progress progress;
+  std::thread sender([&] {
+    for (std::size_t number = 0; number < kEpisodes; ++number) {
+      EXPECT_EQ(actor->Send(SomeEpisode(number)), ActorBus::SendResult::kSent);
+      const std::lock_guard lock(progress.mutex);
+      ++progress.sent;
+      progress.changed.notify_all();
+    }
+  });
+  {
+    std::unique_lock lock(progress.mutex);
+    EXPECT_TRUE(
+        progress.changed.wait_until(lock, Soon(), [&] { return progress.sent > kBacklog; }));
+  }
+  std::size_t received = 0;
+  while (received < kEpisodes) {
+    const auto message = Next<EpisodeMessage>(*learner);
+    if (!message) break;
+    if (received == 0) {
+      const std::lock_guard lock(progress.mutex);
+      EXPECT_LT(progress.sent, kEpisodes) << "nothing held the sender back";
+    }
+    EXPECT_EQ(message->episode.number, received);
+    EXPECT_EQ(message->episode, SomeEpisode(received).episode);
+    ++received;
+  }
+  EXPECT_EQ(received, kEpisodes);
+  if (received < kEpisodes) actor->Close(std::chrono::milliseconds(0));
+  sender.join();
+}
+
+INSTANTIATE_TEST_SUITE_P(Transports, DdsBusTest,
+                         testing::Values(Transport::kUdp, Transport::kSharedMemory),
+                         [](const auto& test) {
+                           return test.param == Transport::kUdp ? "Udp" : "SharedMemory";
+                         });
+
+TEST(DdsBusTest, RunsOfOtherNamesAreNotHeard) {
+  const BusOptions options = FreshRun();
+  BusOptions other = options;
+  other.run_name += "-other";
+  const auto learner = MakeDdsLearnerBus(options);
+  const auto stranger = MakeDdsLearnerBus(other);
+  stranger->Publish(SomeDescription(1, other.run_name));
+  learner->Publish(SomeDescription(2, options.run_name));
+  const auto actor = MakeDdsActorBus(options, 11);
+  EXPECT_EQ(Next<RunDescription>(*actor), SomeDescription(2, options.run_name));
+  stranger->Publish(SomeSnapshot(8));
+  learner->Publish(SomeSnapshot(9));
+  EXPECT_EQ(Next<PolicySnapshot>(*actor), SomeSnapshot(9));
+}
+
+TEST(DdsBusTest, OrderForAnActorThatIsNotThereIsRefused) {
+  const auto learner = MakeDdsLearnerBus(FreshRun());
+  EXPECT_FALSE(learner->Send(SomeOrder(11, 0)));
+}
+
+TEST(DdsBusTest, EpisodeWithoutALearnerIsRefused) {
+  const auto actor = MakeDdsActorBus(FreshRun(), 11);
+  EXPECT_EQ(actor->Send(SomeEpisode(0)), ActorBus::SendResult::kNoLearner);
+  actor->Close(std::chrono::milliseconds(0));
+  EXPECT_EQ(actor->Send(SomeEpisode(0)), ActorBus::SendResult::kClosed);
+}
+
+TEST(DdsBusTest, ActorThatLeavesIsReportedOnce) {
+  const BusOptions options = FreshRun();
+  const auto learner = MakeDdsLearnerBus(options);
+  {
+    const auto actor = MakeDdsActorBus(options, kBig);
+    ASSERT_TRUE(Join(*learner, *actor, kBig));
+  }
+  const auto lost = Next<ActorLost>(*learner);
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(lost->actor_id, kBig);
+  EXPECT_FALSE(learner->Send(SomeOrder(kBig, 0)));
+  learner->Wake();
+  const auto next = learner->Wait(Soon());
+  ASSERT_TRUE(next);
+  EXPECT_TRUE(std::holds_alternative<Woken>(*next));
+}
+
+TEST(DdsBusTest, LearnerThatLeavesAndItsSuccessorAreSeen) {
+  const BusOptions options = FreshRun();
+  const auto actor = MakeDdsActorBus(options, 11);
+  {
+    const auto learner = MakeDdsLearnerBus(options);
+    learner->Publish(SomeDescription(5, options.run_name));
+    ASSERT_TRUE(Next<RunDescription>(*actor));
+  }
+  const auto lost = Next<LearnerLost>(*actor);
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(lost->learner_id, 5);
+  const auto learner = MakeDdsLearnerBus(options);
+  RunDescription successor = SomeDescription(6, options.run_name);
+  successor.incarnation = 4;
+  learner->Publish(successor);
+  EXPECT_EQ(Next<RunDescription>(*actor), successor);
+}
+
+TEST(DdsBusTest, RivalLearnersSeeEachOtherComeAndGoButNeverThemselves) {
+  const BusOptions options = FreshRun();
+  const auto learner = MakeDdsLearnerBus(options);
+  learner->Publish(SomeDescription(1, options.run_name));
+  {
+    const auto rival = MakeDdsLearnerBus(options);
+    rival->Publish(SomeDescription(2, options.run_name));
+    const auto seen = learner->Wait(Soon());
+    ASSERT_TRUE(seen);
+    ASSERT_TRUE(std::holds_alternative<RivalSeen>(*seen));
+    EXPECT_EQ(std::get<RivalSeen>(*seen).description, SomeDescription(2, options.run_name));
+    const auto seen_by_rival = Next<RivalSeen>(*rival);
+    ASSERT_TRUE(seen_by_rival);
+    EXPECT_EQ(seen_by_rival->description.learner_id, 1);
+  }
+  const auto lost = Next<RivalLost>(*learner);
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(lost->learner_id, 2);
+}
+
+TEST(DdsBusTest, WakeEndsAWaitFromAnotherThread) {
+  const auto learner = MakeDdsLearnerBus(FreshRun());
+  std::thread waker([&] { learner->Wake(); });
+  EXPECT_TRUE(Next<Woken>(*learner));
+  waker.join();
+  EXPECT_FALSE(learner->Wait(Clock::now()));
+}
+
+TEST(DdsBusTest, BadOptionsAreNamed) {
+  BusOptions options = FreshRun();
+  options.run_name = "no*wildcards";
+  EXPECT_THROW(MakeDdsLearnerBus(options), std::invalid_argument);
+  options = FreshRun();
+  options.domain = 233;
+  EXPECT_THROW(MakeDdsActorBus(options, 1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace metronome::test

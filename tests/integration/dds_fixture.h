@@ -1,0 +1,125 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "common/bus.h"
+#include "common/dds/bus_options.h"
+
+/// What the tests of the DDS bus share: runs that no other test process sees, and waiting for one
+/// kind of event.
+namespace metronome::test {
+
+using std::chrono::seconds;
+
+/// Long enough for a loaded machine under sanitizers; reached only by a failing test.
+inline Clock::time_point Soon() { return Clock::now() + seconds(20); }
+
+/// A run of its own, on loopback, in a domain by process.
+inline BusOptions FreshRun(Transport transport = Transport::kUdp) {
+  static std::atomic<int> runs{0};
+  BusOptions options;
+  options.run_name = "test-" + std::to_string(getpid()) + "-" + std::to_string(runs++);
+  options.domain = 1 + static_cast<std::uint32_t>(getpid()) % 99;
+  options.transport = transport;
+  return options;
+}
+
+/// The next event of kind Event, others being dropped; std::nullopt at the deadline.
+template <class Event, class Bus>
+std::optional<Event> Next(Bus& bus, Clock::time_point deadline = Soon()) {
+  while (auto event = bus.Wait(deadline)) {
+    if (auto* wanted = std::get_if<Event>(&*event)) return std::move(*wanted);
+  }
+  return std::nullopt;
+}
+
+inline ActorStatus SomeStatus(std::uint64_t actor_id) {
+  ActorStatus status;
+  status.actor_id = actor_id;
+  status.incarnation = 3;
+  status.host = "somewhere";
+  status.pid = 77;
+  status.engine = "mujoco-0.0.0";
+  status.build = "a compiler and its flags";
+  status.canonical_digest = "0123abcd";
+  status.slots = 2;
+  status.episodes_done = 41;
+  status.steps_per_second = 12345.5;
+  return status;
+}
+
+inline RunDescription SomeDescription(std::uint64_t learner_id, const std::string& run_name) {
+  RunDescription description;
+  description.learner_id = learner_id;
+  description.incarnation = 3;
+  description.run_name = run_name;
+  description.engine = "mujoco-0.0.0";
+  description.build = "a compiler and its flags";
+  description.config = std::string("binary \0 \xff bytes", 15);
+  description.serving = true;
+  return description;
+}
+
+inline PolicySnapshot SomeSnapshot(std::uint64_t version, std::size_t parameters = 30000) {
+  PolicySnapshot snapshot;
+  snapshot.incarnation = 3;
+  snapshot.version = version;
+  for (std::size_t i = 0; i < parameters; ++i) {
+    snapshot.parameters.push_back(0.001f * static_cast<float>(i) - static_cast<float>(version));
+  }
+  snapshot.observation_mean.assign(kObservationSize, 0.25f);
+  snapshot.observation_inv_std.assign(kObservationSize, 4.0f);
+  return snapshot;
+}
+
+inline EpisodeMessage SomeEpisode(std::uint64_t number, std::size_t steps = 500) {
+  EpisodeMessage message;
+  message.incarnation = 3;
+  message.actor_id = 11;
+  Episode& episode = message.episode;
+  episode.number = number;
+  episode.weights_version = 5;
+  for (std::size_t i = 0; i < (steps + 1) * kObservationSize; ++i) {
+    episode.observation.push_back(static_cast<float>(i % 977) + static_cast<float>(number));
+  }
+  episode.action.assign(steps * kActionSize, -0.5f);
+  for (std::size_t t = 0; t < steps; ++t) {
+    episode.log_prob.push_back(-2.0f - static_cast<float>(t));
+    episode.reward.push_back(static_cast<float>(t) / 50);
+    episode.head.push_back(static_cast<std::uint16_t>(t * 10 / steps));
+    episode.flags.push_back(t + 1 == steps ? kStepTruncated : kStepSuccess);
+  }
+  return message;
+}
+
+inline EpisodeOrder SomeOrder(std::uint64_t actor_id, std::uint64_t number) {
+  EpisodeOrder order;
+  order.incarnation = 3;
+  order.actor_id = actor_id;
+  order.weights_version = 5;
+  order.numbers = {number, number + 1};
+  return order;
+}
+
+/// Publishes and waits until the learner knows the actor and orders can reach it.
+inline bool Join(LearnerBus& learner, ActorBus& actor, std::uint64_t actor_id) {
+  const Clock::time_point deadline = Soon();
+  EpisodeOrder probe = SomeOrder(actor_id, 0);
+  probe.numbers.clear();
+  while (Clock::now() < deadline) {
+    actor.Send(SomeStatus(actor_id));
+    if (!Next<ActorStatus>(learner, Clock::now() + std::chrono::milliseconds(200))) continue;
+    if (!learner.Send(probe)) continue;
+    return Next<EpisodeOrder>(actor, deadline).has_value();
+  }
+  return false;
+}
+
+}  // namespace metronome::test
