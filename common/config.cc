@@ -76,13 +76,13 @@ std::vector<std::string> CompareForResume(const RunConfig& old_config, const Run
 
 void CheckRunName(const std::string& name) {
   const auto letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
-  const bool right = !name.empty() && name.size() <= 100 && letter(name.front()) &&
+  const bool right = !name.empty() && name.size() <= 64 && letter(name.front()) &&
                      std::all_of(name.begin(), name.end(), [&](char c) {
                        return letter(c) || c == '.' || c == '_' || c == '-';
                      });
   if (right) return;
   throw ConfigError("run name \"" + name +
-                    "\": must be 1 to 100 letters, digits, '.', '_' or '-', the first a letter or "
+                    "\": must be 1 to 64 letters, digits, '.', '_' or '-', the first a letter or "
                     "digit (it names a folder and a DDS partition)");
 }
 

@@ -31,7 +31,7 @@ std::vector<std::string> CompareForResume(const RunConfig& old_config, const Run
                                           bool new_total_allowed);
 
 /// A run's name becomes a folder and a DDS partition.
-/// @throws ConfigError unless it has 1 to 100 letters, digits, '.', '_' or '-' and starts with a
+/// @throws ConfigError unless it has 1 to 64 letters, digits, '.', '_' or '-' and starts with a
 ///         letter or digit.
 void CheckRunName(const std::string& name);
 

@@ -6,6 +6,7 @@
 
 #include "common/config.h"
 #include "common/near_miss.h"
+#include "common/network.h"
 #include "common/number_text.h"
 #include "common/task_names.h"
 
@@ -13,8 +14,9 @@ namespace metronome {
 namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-constexpr double kMostSteps = 9007199254740991;     // 2^53 - 1: exact in every double
-constexpr std::uint64_t kMostMt1Seed = 4294967295;  // the official generator takes 32 bits
+constexpr double kMostSteps = 9007199254740991;         // 2^53 - 1: exact in every double
+constexpr std::size_t kMostPolicyParameters = 4000000;  // kMaxParameters of idl/metronome.idl
+constexpr std::uint64_t kMostMt1Seed = 4294967295;      // the official generator takes 32 bits
 
 /// What one numeric field may be, by itself; never anything that is not finite.
 struct Range {
@@ -162,6 +164,16 @@ void CheckBatch(const RunConfig& config, Complaints& complaints) {
   }
 }
 
+// Only for a shape whose every number is in range.
+void CheckNetworkSize(const RunConfig& config, Complaints& complaints) {
+  const std::size_t size = ActorLayout(ShapeOf(config)).size;
+  if (size <= kMostPolicyParameters) return;
+  complaints.Add("policy.hidden", "and policy.heads make a policy of " + std::to_string(size) +
+                                      " parameters: must be at most " +
+                                      std::to_string(kMostPolicyParameters) +
+                                      " (what a snapshot holds on the wire)");
+}
+
 // A peer is an address or a host name; a lone word that nearly reads loopback or lan is a typo.
 void CheckNetwork(const std::string& network, Complaints& complaints) {
   if (network == "loopback" || network == "lan") return;
@@ -200,6 +212,8 @@ void Validate(const RunConfig& config, const ConfigOrigins& origins) {
   CheckPolicy(config, complaints);
   CheckBatch(config, complaints);
   CheckRuntime(config, complaints);
+  complaints.ThrowIfAny();
+  CheckNetworkSize(config, complaints);
   complaints.ThrowIfAny();
 }
 

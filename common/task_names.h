@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-/// The one list of task names, known to learner and actors alike. The environment's table of tasks
-/// (actor/metaworld) has the same names; a unit test holds the two together.
+/// The task names, known to learner and actors alike: those of the files in actor/metaworld/tasks,
+/// taken over at build time. A unit test holds them and the environment's table together.
 namespace metronome {
 
 /// Canonical names, in alphabetical order.

@@ -295,6 +295,12 @@ TEST(ValidateTest, AllComplaintsComeAtOnce) {
   EXPECT_NE(error.find("policy.heads is 0"), std::string::npos);
 }
 
+TEST(ValidateTest, APolicyTooLargeForTheWireIsRefused) {
+  EXPECT_EQ(ComplaintOf("policy.hidden", "4096,4096"),
+            "policy.hidden and policy.heads make a policy of 17109072 parameters: must be at most "
+            "4000000 (what a snapshot holds on the wire)");
+}
+
 TEST(ValidateTest, OneHeadMethodsTakeOneHead) {
   RunConfig config = Push();
   SetField(config, "policy.method", "ppo");
@@ -364,7 +370,7 @@ TEST(CheckRunNameTest, NamesAreSafeAsFolderAndPartition) {
   for (const std::string name : {"", ".", "..", "a/b", "a*", "a b", "-a", "caf\xc3\xa9"}) {
     EXPECT_THROW(CheckRunName(name), ConfigError) << name;
   }
-  EXPECT_THROW(CheckRunName(std::string(101, 'a')), ConfigError);
+  EXPECT_THROW(CheckRunName(std::string(65, 'a')), ConfigError);
 }
 
 class ConfigDraftTest : public ::testing::Test {

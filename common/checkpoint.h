@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "common/config.pb.h"
+#include "common/train_state.h"
+
+/// Checkpoints: everything that a run needs to go on, in one file.
+///
+/// Frame, little-endian: "METRCKPT" | uint32 format version | uint64 payload bytes | SHA-256 of
+/// the 20 bytes before it and of the payload | payload (common/checkpoint.proto).
+namespace metronome {
+
+/// Grows whenever the payload's meaning changes; other versions are refused. The frame stays.
+inline constexpr std::uint32_t kCheckpointFormat = 1;
+
+/// How far the run's logs had come (learner/progress_log.h): resuming cuts them back to this.
+struct LogOffsets {
+  std::uint64_t progress_bytes = 0;  // of progress.csv
+  std::uint64_t events_bytes = 0;    // of the TensorBoard event file
+  double wall_seconds = 0;           // wall-clock: time the run has taken, all starts together
+  bool operator==(const LogOffsets&) const = default;
+};
+
+struct Checkpoint {
+  RunConfig config;  // resolved
+  TrainState state;
+  std::string engine;             // EngineName() of the learner that wrote it
+  std::string build;              // its BuildIdentity()
+  std::uint64_t incarnation = 0;  // its incarnation
+  LogOffsets logs;
+};
+
+/// The file cannot be used; what() names it and says why.
+class CheckpointError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The whole file as bytes, and back. The same checkpoint gives the same bytes.
+/// @param name  of the file, for messages.
+/// @throws CheckpointError for anything but an undamaged checkpoint of kCheckpointFormat whose
+///         state fits its configuration.
+std::string EncodeCheckpoint(const Checkpoint& checkpoint);
+Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name);
+
+/// @throws CheckpointError, see DecodeCheckpoint; also when the file cannot be read.
+Checkpoint LoadCheckpoint(const std::string& path);
+
+/// @throws CheckpointError naming both shapes if the checkpoint's network does not have the shape
+///         that `config` (resolved) asks for.
+void RequireShape(const Checkpoint& checkpoint, const RunConfig& config, const std::string& name);
+
+/// The checkpoints of one run: FOLDER/000123.ckpt for version 123, FOLDER/latest a link to the
+/// newest. One writer per folder (the run's lock); not thread-safe.
+class CheckpointStore {
+ public:
+  /// Makes the folder if needed and removes what a killed writer left half-written.
+  /// @param keep  newest files that pruning leaves, at least 1.
+  /// @throws std::system_error if the folder cannot be made.
+  CheckpointStore(std::string folder, int keep);
+
+  /// Writes the file, points `latest` at it and prunes. The old checkpoint stays until the new
+  /// one is safely on disk. @return the path.
+  /// @throws std::system_error (disk full, say): `latest` and what it names are as they were.
+  std::string Save(const Checkpoint& checkpoint);
+
+  /// Path of the newest checkpoint: what `latest` names, else (the link is missing) the file of the
+  /// highest version; std::nullopt if there is none.
+  [[nodiscard]] std::optional<std::string> Latest() const;
+
+ private:
+  void Prune() const;
+
+  std::string folder_;
+  int keep_;
+};
+
+}  // namespace metronome

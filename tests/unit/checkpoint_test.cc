@@ -1,0 +1,287 @@
+#include "common/checkpoint.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <numeric>
+
+#include "common/config.h"
+#include "common/files.h"
+#include "common/network.h"
+#include "common/sha256.h"
+
+namespace metronome {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A state whose every number differs from its neighbours and needs all its bits.
+Checkpoint SmallCheckpoint(std::uint64_t version = 7) {
+  Checkpoint checkpoint;
+  checkpoint.config.mutable_environment()->set_task("push");
+  SetField(checkpoint.config, "policy.hidden", "2");
+  SetField(checkpoint.config, "policy.heads", "2");
+  checkpoint.config = Resolve(checkpoint.config);
+  const NetworkShape shape = ShapeOf(checkpoint.config);
+  TrainState& state = checkpoint.state;
+  state.version = version;
+  state.steps = version * 8000;
+  state.parameters.resize(ParameterCount(shape));
+  std::iota(state.parameters.begin(), state.parameters.end(), 0.1F);
+  state.parameters[0] = std::numeric_limits<float>::denorm_min();
+  state.parameters[1] = -0.0F;
+  state.adam_m.assign(state.parameters.size(), 1.0F / 3);
+  state.adam_v.assign(state.parameters.size(), 1.0e-30F);
+  state.adam_steps = 560;
+  state.observation = {std::vector<double>(39, 1.0 / 3), std::vector<double>(39, 1e300), 56000};
+  state.reward_return = {{-0.1}, {std::numeric_limits<double>::denorm_min()}, 3};
+  state.previous_actor.assign(ActorLayout(shape).size, 0.7F);
+  state.previous_observation = {std::vector<double>(39, 2.0 / 3), std::vector<double>(39, 1),
+                                48000};
+  state.canonical_digest = "00ff";
+  state.episodes_used = version * 16;
+  checkpoint.engine = "mujoco-2.2.2";
+  checkpoint.build = "a build";
+  checkpoint.incarnation = 3;
+  checkpoint.logs = {1234, 5678, 90.5};
+  return checkpoint;
+}
+
+std::string ErrorOfDecoding(const std::string& bytes) {
+  try {
+    static_cast<void>(DecodeCheckpoint(bytes, "x.ckpt"));
+  } catch (const CheckpointError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// The bytes of a valid frame around the checkpoint with another format number.
+std::string WithFormat(const Checkpoint& checkpoint, std::uint32_t format) {
+  std::string bytes = EncodeCheckpoint(checkpoint);
+  std::memcpy(bytes.data() + 8, &format, sizeof(format));
+  const Sha256Digest digest = Sha256(bytes.substr(0, 20) + bytes.substr(52));
+  std::memcpy(bytes.data() + 20, digest.data(), digest.size());
+  return bytes;
+}
+
+TEST(Sha256Test, MatchesThePublishedVectors) {
+  EXPECT_EQ(Sha256Hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(Sha256Hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Sha256Test, WeightsAreHashedAsLittleEndianFloat32) {
+  const std::string bytes("\x00\x00\x80\x3f\x00\x00\x00\xc0", 8);  // 1, -2
+  EXPECT_EQ(WeightsSha256({1.0F, -2.0F}), Sha256Hex(bytes));
+  EXPECT_NE(WeightsSha256({0.0F}), WeightsSha256({-0.0F}));
+}
+
+TEST(CheckpointTest, EveryBitComesBack) {
+  const Checkpoint saved = SmallCheckpoint();
+  const Checkpoint loaded = DecodeCheckpoint(EncodeCheckpoint(saved), "x.ckpt");
+  EXPECT_EQ(loaded.state, saved.state);
+  EXPECT_EQ(WeightsSha256(loaded.state.parameters), WeightsSha256(saved.state.parameters));
+  EXPECT_EQ(loaded.config.SerializeAsString(), saved.config.SerializeAsString());
+  EXPECT_EQ(loaded.engine, saved.engine);
+  EXPECT_EQ(loaded.build, saved.build);
+  EXPECT_EQ(loaded.incarnation, saved.incarnation);
+  EXPECT_EQ(loaded.logs, saved.logs);
+  EXPECT_EQ(EncodeCheckpoint(loaded), EncodeCheckpoint(saved));
+}
+
+TEST(CheckpointTest, VersionZeroWithoutStatisticsComesBack) {
+  Checkpoint saved = SmallCheckpoint(0);
+  saved.state.observation = saved.state.reward_return = saved.state.previous_observation = {};
+  saved.state.previous_actor.clear();
+  EXPECT_EQ(DecodeCheckpoint(EncodeCheckpoint(saved), "x.ckpt").state, saved.state);
+}
+
+TEST(CheckpointTest, AChangeOfAnyByteIsFoundAndNamesTheFile) {
+  const std::string bytes = EncodeCheckpoint(SmallCheckpoint());
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    for (const int flip : {0x01, 0x80, 0xff}) {
+      std::string damaged = bytes;
+      damaged[i] = static_cast<char>(damaged[i] ^ flip);
+      ASSERT_TRUE(ErrorOfDecoding(damaged).starts_with("x.ckpt: ")) << "byte " << i;
+    }
+  }
+}
+
+TEST(CheckpointTest, EveryTruncationAndTrailingBytesAreFound) {
+  const std::string bytes = EncodeCheckpoint(SmallCheckpoint());
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    ASSERT_TRUE(ErrorOfDecoding(bytes.substr(0, size)).starts_with("x.ckpt: ")) << size;
+  }
+  EXPECT_NE(ErrorOfDecoding(bytes + '\0').find("damaged: it should hold"), std::string::npos);
+  EXPECT_NE(ErrorOfDecoding(bytes.substr(0, 100)).find("damaged: it should hold"),
+            std::string::npos);
+}
+
+TEST(CheckpointTest, AnotherFormatSaysWhich) {
+  EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), kCheckpointFormat)), "");
+  EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), 9)),
+            "x.ckpt: checkpoint format 9, this build reads format 1");
+}
+
+TEST(CheckpointTest, SomethingElseAltogetherIsSaidToBe) {
+  EXPECT_NE(ErrorOfDecoding("").find("not a Metronome checkpoint"), std::string::npos);
+  EXPECT_NE(ErrorOfDecoding(std::string(1000, 'x')).find("not a Metronome checkpoint"),
+            std::string::npos);
+}
+
+TEST(CheckpointTest, StateThatDoesNotFitItsConfigurationIsRefused) {
+  Checkpoint checkpoint = SmallCheckpoint();
+  checkpoint.state.adam_v.pop_back();
+  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("Adam's second moment"),
+            std::string::npos);
+  checkpoint = SmallCheckpoint();
+  checkpoint.config.mutable_policy()->set_heads(3);
+  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("another shape: the network has"),
+            std::string::npos);
+  checkpoint = SmallCheckpoint();
+  checkpoint.state.observation.m2.pop_back();
+  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("observation statistics"),
+            std::string::npos);
+  checkpoint = SmallCheckpoint();
+  checkpoint.config.mutable_policy()->set_heads(0);
+  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("policy.heads is 0"),
+            std::string::npos);
+}
+
+TEST(CheckpointTest, AnotherNetworkShapeNamesBoth) {
+  const Checkpoint checkpoint = SmallCheckpoint();
+  EXPECT_NO_THROW(RequireShape(checkpoint, checkpoint.config, "x.ckpt"));
+  RunConfig other = checkpoint.config;
+  SetField(other, "policy.hidden", "2,4");
+  try {
+    RequireShape(checkpoint, other, "x.ckpt");
+    FAIL();
+  } catch (const CheckpointError& error) {
+    EXPECT_STREQ(error.what(),
+                 "x.ckpt: another network shape: it holds 39 inputs, hidden 2, 2 heads of 4; asked "
+                 "for is 39 inputs, hidden 2 4, 2 heads of 4");
+  }
+}
+
+TEST(CheckpointTest, UnreadableFilesAreNamed) {
+  for (const std::string path : {"no/such.ckpt", "."}) {
+    try {
+      static_cast<void>(LoadCheckpoint(path));
+      FAIL() << path;
+    } catch (const CheckpointError& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with("cannot read checkpoint " + path + ": "));
+    }
+  }
+}
+
+class CheckpointStoreTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = ::testing::TempDir() + "metronome_store_XXXXXX";
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    root_ = pattern;
+    folder_ = (fs::path(root_) / "checkpoints").string();
+  }
+  void TearDown() override { fs::remove_all(root_); }
+
+  [[nodiscard]] std::vector<std::string> Names() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  std::string root_, folder_;
+};
+
+TEST_F(CheckpointStoreTest, AnEmptyFolderHasNoLatest) {
+  EXPECT_EQ(CheckpointStore(folder_, 5).Latest(), std::nullopt);
+}
+
+TEST_F(CheckpointStoreTest, SavesUnderTheVersionAndPointsLatestAtIt) {
+  CheckpointStore store(folder_, 5);
+  EXPECT_EQ(store.Save(SmallCheckpoint(123)), folder_ + "/000123.ckpt");
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000123.ckpt", "latest"}));
+  EXPECT_EQ(fs::read_symlink(folder_ + "/latest"), "000123.ckpt");
+  EXPECT_EQ(store.Latest(), folder_ + "/000123.ckpt");
+  EXPECT_EQ(LoadCheckpoint(folder_ + "/latest").state, SmallCheckpoint(123).state);
+}
+
+TEST_F(CheckpointStoreTest, PrunesToTheNewest) {
+  CheckpointStore store(folder_, 2);
+  for (std::uint64_t version = 999998; version <= 1000001; ++version) {
+    store.Save(SmallCheckpoint(version));
+  }
+  EXPECT_EQ(Names(), (std::vector<std::string>{"1000000.ckpt", "1000001.ckpt", "latest"}));
+}
+
+TEST_F(CheckpointStoreTest, NeverPrunesWhatLatestNames) {
+  CheckpointStore store(folder_, 2);
+  for (std::uint64_t version = 5; version <= 6; ++version) store.Save(SmallCheckpoint(version));
+  store.Save(SmallCheckpoint(1));  // a run that was set back to an older checkpoint
+  EXPECT_EQ(store.Latest(), folder_ + "/000001.ckpt");
+  EXPECT_TRUE(fs::exists(folder_ + "/000001.ckpt"));
+}
+
+TEST_F(CheckpointStoreTest, WithoutTheLinkTheHighestVersionIsLatest) {
+  CheckpointStore store(folder_, 5);
+  store.Save(SmallCheckpoint(9));
+  store.Save(SmallCheckpoint(10));
+  fs::remove(folder_ + "/latest");
+  EXPECT_EQ(store.Latest(), folder_ + "/000010.ckpt");
+}
+
+TEST_F(CheckpointStoreTest, RemovesWhatAKilledWriterLeft) {
+  CheckpointStore(folder_, 5).Save(SmallCheckpoint(1));
+  std::ofstream(folder_ + "/000002.ckpt.tmp.4711") << "half";
+  EXPECT_EQ(CheckpointStore(folder_, 5).Latest(), folder_ + "/000001.ckpt");
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000001.ckpt", "latest"}));
+}
+
+TEST_F(CheckpointStoreTest, AFullDiskLeavesTheOldCheckpointAndNoRest) {
+  CheckpointStore store(folder_, 5);
+  store.Save(SmallCheckpoint(1));
+  const std::string before = ReadFile(folder_ + "/latest");
+  // In a child, because the limit cannot be raised again: no file may grow past 1000 bytes.
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      store.Save(SmallCheckpoint(2));
+    } catch (const std::system_error& error) {
+      const bool named = std::string(error.what()).find("000002.ckpt") != std::string::npos;
+      _exit(named && error.code() == std::errc::file_too_large ? 0 : 2);
+    }
+    _exit(1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0) << "Save did not fail as it should";
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000001.ckpt", "latest"}));
+  EXPECT_EQ(ReadFile(folder_ + "/latest"), before);
+}
+
+TEST_F(CheckpointStoreTest, AFolderThatCannotBeWrittenLeavesTheOldCheckpoint) {
+  CheckpointStore store(folder_, 5);
+  store.Save(SmallCheckpoint(1));
+  fs::create_directory(folder_ + "/000002.ckpt");  // rename cannot replace a folder
+  EXPECT_THROW(store.Save(SmallCheckpoint(2)), std::system_error);
+  EXPECT_EQ(store.Latest(), folder_ + "/000001.ckpt");
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000001.ckpt", "000002.ckpt", "latest"}));
+}
+
+}  // namespace
+}  // namespace metronome
