@@ -1,0 +1,111 @@
+#include "common/policy.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "learner/trainer.h"
+#include "tests/unit/synthetic_run.h"
+
+namespace metronome {
+namespace {
+
+using testing::SmallConfig;
+
+// The network in double, from its definition: tanh layers, then the rows of one head.
+std::vector<double> MeanByDefinition(const RunConfig& config, const PolicySnapshot& snapshot,
+                                     const std::vector<float>& observation, int t) {
+  const NetworkShape shape = ShapeOf(config);
+  const MlpLayout layout = ActorLayout(shape);
+  std::vector<double> x;
+  for (int i = 0; i < shape.observation; ++i) {
+    const double z =
+        (observation[i] - snapshot.observation_mean[i]) * double{snapshot.observation_inv_std[i]};
+    x.push_back(std::fmax(-10, std::fmin(10, z)));
+  }
+  const int horizon = config.environment().horizon();
+  if (shape.time_feature) x.push_back(2.0 * t / horizon - 1);
+  const auto apply = [&](const LayerSlice& slice, int first, int rows, bool squash) {
+    std::vector<double> y;
+    for (int r = first; r < first + rows; ++r) {
+      double sum = snapshot.parameters[slice.bias + r];
+      for (int c = 0; c < slice.inputs; ++c) {
+        sum += double{snapshot.parameters[slice.weight + r * slice.inputs + c]} * x[c];
+      }
+      y.push_back(squash ? std::tanh(sum) : sum);
+    }
+    return y;
+  };
+  for (const LayerSlice& slice : layout.hidden) x = apply(slice, 0, slice.outputs, true);
+  return apply(layout.head, t * shape.heads / horizon * 4, 4, false);
+}
+
+PolicySnapshot RandomSnapshot(const RunConfig& config) {
+  PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+  RandomStream random(RandomPurpose::kEvaluate, 1, 2, 3);
+  for (float& parameter : snapshot.parameters) parameter += 0.2F * float(random.Normal());
+  for (float& mean : snapshot.observation_mean) mean = float(random.Normal());
+  for (float& inv_std : snapshot.observation_inv_std) inv_std = float(0.5 + random.Uniform());
+  return snapshot;
+}
+
+class PolicyTest : public ::testing::TestWithParam<Method> {};
+
+TEST_P(PolicyTest, MeanAgreesWithTheNetworksDefinitionAtEveryStep) {
+  const RunConfig config = SmallConfig(GetParam());
+  const PolicySnapshot snapshot = RandomSnapshot(config);
+  Policy policy(config, snapshot);
+  RandomStream random(RandomPurpose::kEvaluate, 4, 5, 6);
+  for (int t = 0; t < config.environment().horizon(); ++t) {
+    std::vector<float> observation(kObservationSize);
+    for (float& value : observation) value = float(3 * random.Normal());
+    const auto mean = policy.Mean(observation.data(), t);
+    const auto want = MeanByDefinition(config, snapshot, observation, t);
+    for (int i = 0; i < 4; ++i) ASSERT_NEAR(mean[i], want[i], 1e-5) << "t=" << t;
+  }
+}
+
+TEST_P(PolicyTest, TheLogProbabilityIsTheUnclippedActionsDensity) {
+  const RunConfig config = SmallConfig(GetParam());
+  const PolicySnapshot snapshot = RandomSnapshot(config);
+  Policy policy(config, snapshot);
+  const std::vector<float> observation(kObservationSize, 0.4F);
+  const std::size_t log_std = ActorLayout(ShapeOf(config)).log_std;
+  for (const int t : {0, 20, 39}) {
+    const Policy::Decision decision = policy.Act(observation.data(), t, ActionNoise(1, 2, t));
+    double want = 0;
+    for (int i = 0; i < 4; ++i) {
+      const double s = snapshot.parameters[log_std + decision.head * 4 + i];
+      const double z = (double{decision.action[i]} - decision.mean[i]) / std::exp(s);
+      want += -0.5 * z * z - s - 0.5 * std::log(2 * M_PI);
+    }
+    EXPECT_NEAR(decision.log_prob, want, 1e-5);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, PolicyTest, ::testing::Values(MULTIHEAD, PPO, PPO_TIME));
+
+TEST(PolicyTest, ActingTwiceOrAfterOtherStatesGivesEqualBits) {
+  const RunConfig config = SmallConfig();
+  const PolicySnapshot snapshot = RandomSnapshot(config);
+  Policy fresh(config, snapshot);
+  Policy used(config, snapshot);
+  const std::vector<float> other(kObservationSize, -1.0F);
+  const std::vector<float> observation(kObservationSize, 0.7F);
+  for (int t = 0; t < 40; ++t) (void)used.Act(other.data(), t, ActionNoise(1, 1, t));
+  const auto a = fresh.Act(observation.data(), 17, ActionNoise(3, 4, 17));
+  const auto b = used.Act(observation.data(), 17, ActionNoise(3, 4, 17));
+  EXPECT_EQ(a.action, b.action);
+  EXPECT_EQ(a.log_prob, b.log_prob);
+}
+
+TEST(PolicyTest, RefusesASnapshotOfAnotherShape) {
+  PolicySnapshot snapshot = RandomSnapshot(SmallConfig());
+  snapshot.parameters.pop_back();
+  EXPECT_THROW(Policy(SmallConfig(), snapshot), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace metronome
