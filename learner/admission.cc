@@ -1,0 +1,44 @@
+#include "learner/admission.h"
+
+#include <utility>
+
+namespace metronome {
+
+Admission::Admission(const RunDescription& description, std::string digest)
+    : incarnation_(description.incarnation),
+      engine_(description.engine),
+      build_(description.build),
+      digest_(std::move(digest)),
+      digest_from_("the actors of this run before it was resumed") {}
+
+Admission::Decision Admission::Judge(const ActorStatus& status) {
+  if (status.protocol_version != kProtocolVersion) {
+    return {Verdict::kRefuse, "it speaks protocol version " +
+                                  std::to_string(status.protocol_version) + ", the learner " +
+                                  std::to_string(kProtocolVersion) +
+                                  ": build both from the same sources"};
+  }
+  if (status.incarnation != incarnation_) return {};
+  if (status.engine != engine_) {
+    return {Verdict::kRefuse, "the run's engine is " + engine_ + ", the actor's on " + status.host +
+                                  " is " + status.engine +
+                                  ": start an actor that was built against " + engine_};
+  }
+  if (status.slots == 0) return {Verdict::kRefuse, "it offers no slot"};
+  if (status.canonical_digest.empty()) return {};
+  if (digest_.empty()) {
+    digest_ = status.canonical_digest;
+    digest_from_ = "the first actor, on " + status.host + " (" + status.build + ")";
+  }
+  if (digest_ != status.canonical_digest) return {Verdict::kRefuse, DigestComplaint(status)};
+  return {Verdict::kAdmit, {}};
+}
+
+std::string Admission::DigestComplaint(const ActorStatus& status) const {
+  return "the actor on " + status.host + " (" + status.build +
+         ") computes other numbers than the run so far: its canonical episode has digest " +
+         status.canonical_digest + ", that of " + digest_from_ + " has " + digest_ +
+         "; use the same build on a processor and C library of the same kind";
+}
+
+}  // namespace metronome

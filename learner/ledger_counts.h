@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+namespace metronome {
+
+/// What happened to orders and samples since this process started.
+struct LedgerCounts {
+  struct ByActor {
+    std::uint64_t accepted = 0;
+    std::uint64_t rejected = 0;
+    std::uint64_t duplicates = 0;
+    bool operator==(const ByActor&) const = default;
+  };
+  std::uint64_t ordered = 0;    // orders sent, one per number and actor
+  std::uint64_t reordered = 0;  // of these: for a number that had been ordered before
+  std::uint64_t accepted = 0;
+  std::uint64_t duplicates = 0;  // of accepted numbers, differing ones among them
+  std::uint64_t differing_duplicates = 0;
+  std::uint64_t rejected = 0;
+  std::map<std::string, std::uint64_t> rejected_by_reason;  // numbers in reasons are shown as #
+  std::map<std::string, ByActor> by_actor;                  // name as given at joining
+
+  void CountAccepted(const std::string& actor);
+  void CountDuplicate(const std::string& actor, bool differs);
+  void CountRejected(const std::string& actor, const std::string& reason);
+};
+
+}  // namespace metronome

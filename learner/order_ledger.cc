@@ -1,0 +1,317 @@
+#include "learner/order_ledger.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace metronome {
+namespace {
+
+bool Contains(const std::vector<std::uint64_t>& values, std::uint64_t value) {
+  return std::find(values.begin(), values.end(), value) != values.end();
+}
+
+}  // namespace
+
+OrderLedger::OrderLedger(const OrderRules& rules)
+    : rules_(rules), version_(rules.first_version), next_batch_(rules.first_version) {
+  if (rules.episodes_per_update == 0 || rules.orders_per_slot == 0 || rules.updates_total == 0) {
+    throw std::invalid_argument("order rules: a count is 0");
+  }
+  if (rules.first_version > rules.updates_total) {
+    throw std::invalid_argument("order rules: the first version lies behind the last update");
+  }
+  OpenBatches();
+}
+
+void OrderLedger::OpenBatches() {
+  const std::uint64_t end = std::min(rules_.updates_total, version_ + rules_.overlap + 1);
+  for (; next_batch_ < end; ++next_batch_) {
+    const std::uint64_t first = next_batch_ * rules_.episodes_per_update;
+    for (std::uint64_t i = 0; i < rules_.episodes_per_update; ++i) {
+      numbers_.emplace(first + i, Number{});
+      open_.insert(first + i);
+    }
+  }
+}
+
+void OrderLedger::Join(std::uint64_t actor_id, const std::string& name, std::uint32_t slots,
+                       TimePoint now) {
+  if (IsRefused(actor_id)) return;
+  CountIdle(now);
+  Actor& actor = actors_[actor_id];
+  actor.name = name;
+  actor.slots = std::max<std::uint32_t>(slots, 1);
+}
+
+void OrderLedger::Lose(std::uint64_t actor_id, TimePoint now) {
+  CountIdle(now);
+  Drop(actor_id);
+}
+
+void OrderLedger::Refuse(std::uint64_t actor_id, TimePoint now) {
+  CountIdle(now);
+  Drop(actor_id);
+  refused_.insert(actor_id);
+}
+
+void OrderLedger::Drop(std::uint64_t actor_id) {
+  const auto actor = actors_.find(actor_id);
+  if (actor == actors_.end()) return;
+  for (const Outstanding& out : actor->second.out) TakeBack(out.number, actor_id);
+  actors_.erase(actor);
+}
+
+// A number that nobody plays any more is open again, unless it is here already.
+void OrderLedger::TakeBack(std::uint64_t number, std::uint64_t actor_id) {
+  const auto entry = numbers_.find(number);
+  if (entry == numbers_.end()) return;
+  std::erase(entry->second.holders, actor_id);
+  if (entry->second.state != Number::State::kOut || !entry->second.holders.empty()) return;
+  entry->second.state = Number::State::kOpen;
+  open_.insert(number);
+}
+
+void OrderLedger::Publish(std::uint64_t version, TimePoint now) {
+  if (version != version_ + 1 || !IsComplete(version_)) {
+    throw std::logic_error("weights version " + std::to_string(version) + " does not follow");
+  }
+  CountIdle(now);
+  numbers_.erase(numbers_.begin(), numbers_.lower_bound(version * rules_.episodes_per_update));
+  accepted_of_batch_.erase(version_);
+  version_ = version;
+  OpenBatches();
+}
+
+OrderLedger::Standing OrderLedger::StandingOf(std::uint64_t number, std::uint64_t actor_id) const {
+  if (number < version_ * rules_.episodes_per_update) return Standing::kDuplicate;
+  const auto entry = numbers_.find(number);
+  if (entry == numbers_.end()) return Standing::kNotOrdered;
+  if (entry->second.state == Number::State::kAccepted) return Standing::kDuplicate;
+  if (entry->second.state == Number::State::kArrived) return Standing::kNotOrdered;
+  return Contains(entry->second.asked, actor_id) ? Standing::kWanted : Standing::kNotOrdered;
+}
+
+std::uint64_t OrderLedger::BehaviourVersion(std::uint64_t number) const {
+  const std::uint64_t batch = number / rules_.episodes_per_update;
+  return batch - std::min(batch, rules_.overlap);
+}
+
+void OrderLedger::Arrive(std::uint64_t number, std::uint64_t actor_id, TimePoint now) {
+  if (StandingOf(number, actor_id) != Standing::kWanted) {
+    throw std::logic_error("episode " + std::to_string(number) + " is not wanted");
+  }
+  CountIdle(now);
+  open_.erase(number);
+  numbers_.at(number).state = Number::State::kArrived;
+  const auto actor = actors_.find(actor_id);
+  if (actor == actors_.end()) return;
+  actor->second.silent = false;
+  Release(*actor, number, now);
+}
+
+// The actor has brought `number`: the order that waited longest begins.
+void OrderLedger::Release(ActorMap::value_type& actor, std::uint64_t number, TimePoint now) {
+  std::vector<Outstanding>& out = actor.second.out;
+  const auto at = std::find_if(out.begin(), out.end(),
+                               [&](const Outstanding& o) { return o.number == number; });
+  if (at == out.end()) return;
+  durations_.Add(now - at->since);
+  const auto index = static_cast<std::size_t>(at - out.begin());
+  out.erase(at);
+  const std::size_t last_slot = actor.second.slots - 1;
+  if (index <= last_slot && out.size() > last_slot) out[last_slot].since = now;
+  TakeBack(number, actor.first);
+}
+
+void OrderLedger::Accept(std::uint64_t number, std::uint64_t actor_id) {
+  Number& entry = numbers_.at(number);
+  if (entry.state != Number::State::kArrived) {
+    throw std::logic_error("episode " + std::to_string(number) + " has not arrived");
+  }
+  entry.state = Number::State::kAccepted;
+  ++accepted_of_batch_[number / rules_.episodes_per_update];
+  const auto actor = actors_.find(actor_id);
+  counts_.CountAccepted(actor == actors_.end() ? "lost actors" : actor->second.name);
+  if (actor != actors_.end()) actor->second.bad_in_a_row = 0;
+}
+
+bool OrderLedger::Reject(std::uint64_t number, std::uint64_t actor_id, const std::string& reason) {
+  Number& entry = numbers_.at(number);
+  if (entry.state != Number::State::kArrived) {
+    throw std::logic_error("episode " + std::to_string(number) + " has not arrived");
+  }
+  entry.state = Number::State::kOut;
+  TakeBack(number, actor_id);
+  Discard(actor_id, reason);
+  const auto actor = actors_.find(actor_id);
+  return actor != actors_.end() && ++actor->second.bad_in_a_row > rules_.bad_answers_allowed;
+}
+
+void OrderLedger::Discard(std::uint64_t actor_id, const std::string& reason) {
+  const auto actor = actors_.find(actor_id);
+  counts_.CountRejected(actor == actors_.end() ? "strangers" : actor->second.name, reason);
+}
+
+void OrderLedger::ArriveAgain(std::uint64_t number, std::uint64_t actor_id, bool differs,
+                              TimePoint now) {
+  CountIdle(now);
+  const auto actor = actors_.find(actor_id);
+  counts_.CountDuplicate(actor == actors_.end() ? "lost actors" : actor->second.name, differs);
+  if (actor != actors_.end()) Release(*actor, number, now);
+}
+
+std::vector<Assignment> OrderLedger::Plan(TimePoint now) {
+  CountIdle(now);
+  std::vector<Assignment> plan;
+  GiveUpLost(now);
+  PlanOpen(now, plan);
+  PlanLate(now, plan);
+  return plan;
+}
+
+// An order that nothing came of for very long (a sample dropped on the way, an actor that hangs)
+// does not block its slot for ever.
+void OrderLedger::GiveUpLost(TimePoint now) {
+  const auto patience = Scaled(rules_.lost_factor);
+  for (auto& actor : actors_) {
+    const auto lost = [&](const Outstanding& out) { return now - out.since >= patience; };
+    std::vector<Outstanding>& out = actor.second.out;
+    for (const Outstanding& order : out) {
+      if (!lost(order)) continue;
+      actor.second.silent = true;
+      TakeBack(order.number, actor.first);
+    }
+    std::erase_if(out, lost);
+  }
+}
+
+void OrderLedger::PlanOpen(TimePoint now, std::vector<Assignment>& plan) {
+  while (!open_.empty()) {
+    // Near the end no order waits in one actor's queue while another's slot may fall idle.
+    const bool tail = open_.size() <= slots();
+    const std::uint64_t number = *open_.begin();
+    ActorMap::value_type* actor =
+        LeastLoaded(tail ? 1 : rules_.orders_per_slot, numbers_.at(number));
+    if (actor == nullptr) return;
+    HandOut(number, *actor, now, plan);
+  }
+}
+
+// What is late at everyone who plays it goes to one more idle slot: the first result wins.
+void OrderLedger::PlanLate(TimePoint now, std::vector<Assignment>& plan) {
+  if (!open_.empty()) return;
+  const auto patience = Scaled(rules_.late_factor);
+  std::map<std::uint64_t, bool> late;
+  for (const auto& actor : actors_) {
+    for (const Outstanding& out : actor.second.out) {
+      const auto number = numbers_.find(out.number);
+      if (number == numbers_.end() || number->second.state != Number::State::kOut) continue;
+      bool& everywhere = late.emplace(out.number, true).first->second;
+      everywhere = everywhere && now - out.since >= patience;
+    }
+  }
+  for (const auto& [number, everywhere] : late) {
+    if (!everywhere) continue;
+    ActorMap::value_type* actor = LeastLoaded(1, numbers_.at(number));
+    if (actor != nullptr) HandOut(number, *actor, now, plan);
+  }
+}
+
+// The actor with the least orders per slot that does not play the number yet and takes another.
+OrderLedger::ActorMap::value_type* OrderLedger::LeastLoaded(std::uint32_t orders_per_slot,
+                                                            const Number& number) {
+  // Who gave up an order is asked only when nobody else is there.
+  const bool any_speaks = std::any_of(actors_.begin(), actors_.end(),
+                                      [](const auto& actor) { return !actor.second.silent; });
+  ActorMap::value_type* best = nullptr;
+  for (auto& candidate : actors_) {
+    const Actor& actor = candidate.second;
+    if (any_speaks && actor.silent) continue;
+    if (actor.out.size() >= std::size_t{actor.slots} * orders_per_slot) continue;
+    if (Contains(number.holders, candidate.first)) continue;
+    if (best == nullptr ||
+        actor.out.size() * best->second.slots < best->second.out.size() * actor.slots) {
+      best = &candidate;
+    }
+  }
+  return best;
+}
+
+void OrderLedger::HandOut(std::uint64_t number, ActorMap::value_type& actor, TimePoint now,
+                          std::vector<Assignment>& plan) {
+  Number& entry = numbers_.at(number);
+  ++counts_.ordered;
+  if (!entry.asked.empty()) ++counts_.reordered;
+  open_.erase(number);
+  entry.state = Number::State::kOut;
+  entry.holders.push_back(actor.first);
+  if (!Contains(entry.asked, actor.first)) entry.asked.push_back(actor.first);
+  actor.second.out.push_back({number, now});
+
+  const std::uint64_t version = BehaviourVersion(number);
+  const auto same = std::find_if(plan.begin(), plan.end(), [&](const Assignment& assignment) {
+    return assignment.actor_id == actor.first && assignment.weights_version == version;
+  });
+  if (same != plan.end()) {
+    same->numbers.push_back(number);
+  } else {
+    plan.push_back({actor.first, version, {number}});
+  }
+}
+
+std::optional<OrderLedger::TimePoint> OrderLedger::NextDeadline(TimePoint now) const {
+  std::optional<TimePoint> next;
+  for (const auto& actor : actors_) {
+    for (const Outstanding& out : actor.second.out) {
+      // A late order without an idle slot waits for an event, not for time: then the loss is next.
+      TimePoint due = out.since + Scaled(rules_.late_factor);
+      if (due <= now) due = out.since + Scaled(rules_.lost_factor);
+      if (!next || due < *next) next = due;
+    }
+  }
+  return next;
+}
+
+std::chrono::nanoseconds OrderLedger::Scaled(double factor) const {
+  const std::chrono::nanoseconds median =
+      durations_.median().value_or(std::chrono::nanoseconds(rules_.first_estimate));
+  // The floor keeps the proportion between late and lost.
+  const double scale = factor / rules_.late_factor;
+  const std::chrono::duration<double, std::nano> wanted = factor * median;
+  const std::chrono::duration<double, std::nano> least =
+      scale * std::chrono::nanoseconds(rules_.least_late);
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::max(wanted, least));
+}
+
+bool OrderLedger::IsComplete(std::uint64_t batch) const {
+  const auto accepted = accepted_of_batch_.find(batch);
+  return accepted != accepted_of_batch_.end() && accepted->second == rules_.episodes_per_update;
+}
+
+std::uint64_t OrderLedger::slots() const {
+  std::uint64_t slots = 0;
+  for (const auto& actor : actors_) slots += actor.second.slots;
+  return slots;
+}
+
+void OrderLedger::CountIdle(TimePoint now) {
+  if (counted_until_) {
+    const double seconds = std::chrono::duration<double>(now - *counted_until_).count();
+    for (const auto& actor : actors_) {
+      const auto slots = static_cast<std::size_t>(actor.second.slots);
+      slot_seconds_ += seconds * double(slots);
+      idle_seconds_ += seconds * double(slots - std::min(slots, actor.second.out.size()));
+    }
+  }
+  counted_until_ = now;
+}
+
+double OrderLedger::TakeIdleShare(TimePoint now) {
+  CountIdle(now);
+  const double share = slot_seconds_ > 0 ? idle_seconds_ / slot_seconds_ : 0;
+  slot_seconds_ = 0;
+  idle_seconds_ = 0;
+  return share;
+}
+
+}  // namespace metronome
