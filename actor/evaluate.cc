@@ -1,0 +1,199 @@
+#include "actor/evaluate.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <stdexcept>
+#include <thread>
+
+#include "actor/metaworld/assets.h"
+#include "actor/metaworld/placement.h"
+#include "actor/metaworld/task_table.h"
+#include "common/build_info.h"
+#include "common/checkpoint.h"
+#include "common/policy.h"
+#include "common/random.h"
+#include "common/snapshot.h"
+
+namespace metronome {
+namespace {
+
+using Float39 = std::array<float, kObservationSize>;
+
+Float39 AsPolicySees(const metaworld::Observation& observation) {
+  Float39 result{};
+  std::transform(observation.begin(), observation.end(), result.begin(),
+                 [](double value) { return static_cast<float>(value); });
+  return result;
+}
+
+void Summarise(Evaluation& evaluation) {
+  const auto count = static_cast<double>(evaluation.episodes.size());
+  std::int64_t successes = 0;
+  for (const EvaluatedEpisode& episode : evaluation.episodes) {
+    successes += episode.success ? 1 : 0;
+    evaluation.success_end += episode.success_end ? 1 / count : 0;
+    evaluation.mean_return += episode.episode_return / count;
+  }
+  evaluation.success = static_cast<double>(successes) / count;
+  WilsonInterval(successes, static_cast<std::int64_t>(evaluation.episodes.size()),
+                 evaluation.success_low, evaluation.success_high);
+}
+
+// Shares the episodes out over threads; each result goes to its own place.
+Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
+                   const PolicySnapshot& snapshot) {
+  const std::string& task = config.environment().task();
+  metaworld::EnvironmentOptions environment_options;
+  environment_options.goal_visible = config.environment().goal_visible();
+  environment_options.assets =
+      options.assets.empty() ? metaworld::DefaultAssetsPath() : options.assets;
+  Evaluation evaluation;
+  evaluation.episodes.resize(static_cast<std::size_t>(options.episodes));
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto work = [&] {
+    try {
+      const auto environment = metaworld::MakeEnvironment(task, environment_options);
+      for (std::size_t i = next++; i < evaluation.episodes.size(); i = next++) {
+        evaluation.episodes[i] = PlayDeterministic(
+            config, snapshot, EvaluationPlacement(options, task, i), *environment);
+      }
+    } catch (...) {
+      const std::lock_guard lock(failure_mutex);
+      failure = std::current_exception();
+    }
+  };
+  const auto cores = static_cast<std::int32_t>(std::max(1U, std::thread::hardware_concurrency()));
+  const std::int32_t wanted = options.threads > 0 ? options.threads : cores;
+  std::vector<std::thread> threads;
+  for (std::int32_t i = 0; i < std::min(wanted, options.episodes); ++i) threads.emplace_back(work);
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+  Summarise(evaluation);
+  return evaluation;
+}
+
+void PrintJson(const Evaluation& evaluation, const Checkpoint& checkpoint, const std::string& task,
+               std::ostream& out) {
+  nlohmann::ordered_json json;
+  json["task"] = task;
+  json["version"] = checkpoint.state.version;
+  json["steps"] = checkpoint.state.steps;
+  json["episodes"] = evaluation.episodes.size();
+  json["success"] = evaluation.success;
+  json["success_low"] = evaluation.success_low;
+  json["success_high"] = evaluation.success_high;
+  json["success_end"] = evaluation.success_end;
+  json["return"] = evaluation.mean_return;
+  json["engine_trained"] = checkpoint.engine;
+  json["engine_used"] = EngineName();
+  out << json.dump(2) << '\n';
+}
+
+void PrintText(const Evaluation& evaluation, const Checkpoint& checkpoint, const std::string& task,
+               std::ostream& out) {
+  out << task << ", weights version " << checkpoint.state.version << " (" << checkpoint.state.steps
+      << " steps), " << evaluation.episodes.size() << " episodes, mean action, " << EngineName()
+      << '\n'
+      << "success      " << evaluation.success << "  (95 % interval " << evaluation.success_low
+      << " to " << evaluation.success_high << ")\n"
+      << "success_end  " << evaluation.success_end << '\n'
+      << "return       " << evaluation.mean_return << '\n';
+}
+
+void RequireValid(const EvaluateOptions& options) {
+  if (options.episodes < 1) {
+    throw std::invalid_argument("--episodes must be at least 1, not " +
+                                std::to_string(options.episodes));
+  }
+  if (options.placements != "random" && options.placements != "mt1") {
+    throw std::invalid_argument("--placements '" + options.placements +
+                                "' is not one of: random, mt1");
+  }
+  if (options.placements == "mt1" && options.seed > 0xffffffffULL) {
+    throw std::invalid_argument("--seed of mt1 placements must be below 2^32");
+  }
+}
+
+}  // namespace
+
+void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, double& high) {
+  if (trials < 1) throw std::invalid_argument("an interval needs at least one trial");
+  const double z = 1.959963984540054;
+  const auto n = static_cast<double>(trials);
+  const double share = static_cast<double>(successes) / n;
+  const double centre = (share + z * z / (2 * n)) / (1 + z * z / n);
+  const double half =
+      z / (1 + z * z / n) * std::sqrt(share * (1 - share) / n + z * z / (4 * n * n));
+  low = std::max(0.0, centre - half);
+  high = std::min(1.0, centre + half);
+}
+
+metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const std::string& task,
+                                       std::uint64_t index) {
+  const metaworld::TaskSpec& spec = metaworld::FindTask(task);
+  if (options.placements == "mt1") {
+    const auto official = metaworld::Mt1Placements(spec, static_cast<std::uint32_t>(options.seed));
+    return official.at(index % official.size());
+  }
+  RandomStream stream(RandomPurpose::kEvaluate, options.seed, index, kPlacementDraw);
+  return metaworld::DrawPlacement(spec, stream);
+}
+
+EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
+                                   const metaworld::RandVec& placement,
+                                   metaworld::Environment& environment) {
+  Policy policy(config, snapshot);
+  EvaluatedEpisode result;
+  Float39 observation = AsPolicySees(environment.Reset(placement));
+  for (std::int32_t t = 0; t < config.environment().horizon(); ++t) {
+    const metaworld::StepResult step = environment.Step(policy.Mean(observation.data(), t));
+    observation = AsPolicySees(step.observation);
+    result.episode_return += step.reward;
+    result.success_end = step.info.success;
+    result.success = result.success || step.info.success;
+  }
+  return result;
+}
+
+int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream& err) {
+  try {
+    RequireValid(options);
+    const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
+    RunConfig config = checkpoint.config;
+    if (!options.task.empty()) {
+      config.mutable_environment()->set_task(metaworld::FindTask(options.task).name);
+    }
+    const std::string& task = config.environment().task();
+    if (task != checkpoint.config.environment().task()) {
+      err << "warning: a policy trained on " << checkpoint.config.environment().task()
+          << " is evaluated on " << task << '\n';
+    }
+    if (checkpoint.engine != EngineName()) {
+      err << "warning: a policy trained on " << checkpoint.engine << " is evaluated on "
+          << EngineName() << '\n';
+    }
+    const Evaluation evaluation = PlayAll(options, config, SnapshotOf(checkpoint.state, config));
+    if (options.json) {
+      PrintJson(evaluation, checkpoint, task, out);
+    } else {
+      PrintText(evaluation, checkpoint, task, out);
+    }
+    return 0;
+  } catch (const std::invalid_argument& error) {
+    err << "error: " << error.what() << '\n';
+    return 2;
+  } catch (const std::exception& error) {
+    err << "error: " << error.what() << '\n';
+    return 1;
+  }
+}
+
+}  // namespace metronome

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "actor/metaworld/environment.h"
+#include "common/config.pb.h"
+#include "common/messages.h"
+
+namespace metronome {
+
+struct EvaluateOptions {
+  std::string checkpoint;
+  std::string task;  // any accepted spelling; empty: the checkpoint's
+  std::int32_t episodes = 50;
+  std::uint64_t seed = 1;
+  std::string placements = "random";  // random | mt1
+  bool json = false;
+  std::int32_t threads = 0;  // 0: all cores; never changes the result
+  std::string assets;        // folder of the scene files; empty: the default
+};
+
+/// One episode under the deterministic policy.
+struct EvaluatedEpisode {
+  bool success = false;      // at any step
+  bool success_end = false;  // at the last step
+  double episode_return = 0;
+};
+
+struct Evaluation {
+  std::vector<EvaluatedEpisode> episodes;
+  double success = 0;      // share of episodes
+  double success_low = 0;  // 95 % Wilson score interval of that share
+  double success_high = 0;
+  double success_end = 0;
+  double mean_return = 0;
+};
+
+/// Wilson score interval of `successes` out of `trials`, at 1.96 standard deviations
+/// (Wilson 1927). @throws std::invalid_argument if trials < 1.
+void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, double& high);
+
+/// Where evaluation episode `index` starts. `random` draws from the evaluation's own streams, which
+/// no training run of any seed uses; `mt1` goes through the official 50 of `seed` in order.
+metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const std::string& task,
+                                       std::uint64_t index);
+
+/// Plays one episode with the mean action at every step.
+EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
+                                   const metaworld::RandVec& placement,
+                                   metaworld::Environment& environment);
+
+/// `metronome-actor evaluate`: success rate with its confidence interval and mean return of a
+/// checkpoint's policy. Another engine than the checkpoint's is a warning on `err`.
+/// @return exit status: 0; 1 where the checkpoint or the scenes cannot be used, 2 for bad options.
+int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream& err);
+
+}  // namespace metronome
