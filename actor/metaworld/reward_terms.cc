@@ -5,8 +5,7 @@
 namespace metronome::metaworld {
 namespace {
 
-double XzNorm(const Eigen::Vector3d& v) { return std::sqrt(v.x() * v.x() + v.z() * v.z()); }
-
+double XzNorm(const Eigen::Vector3d& v) { return Norm(Eigen::Vector2d(v.x(), v.z())); }
 /// One pad's share: near the object in y, with a margin that moves with the pad.
 double PadCaging(double pad_y, const CagingState& state, const CagingShape& shape) {
   const double margin = std::abs(std::abs(pad_y - state.object_init.y()) - shape.pad_success);
@@ -45,10 +44,8 @@ Scalar Caging(const CagingState& state, const CagingShape& shape, float gripper)
   const Scalar closed = caging.value() > 0.97 ? ClosedExtent(gripper, shape.effort) : Scalar(0);
   const Scalar both = Hamacher(caging, closed);
   if (shape.density == CagingDensity::kHigh) return (both + caging) / 2;
-  const double margin = std::abs((state.object_init - state.tcp_init).norm() - shape.reach_radius);
-  return (both + LongTail((state.object - state.tcp).norm(), 0, shape.reach_radius, margin)) / 2;
+  const double margin = std::abs(Norm(state.object_init - state.tcp_init) - shape.reach_radius);
+  return (both + LongTail(Norm(state.object - state.tcp), 0, shape.reach_radius, margin)) / 2;
 }
-
-double PlanarNorm(const Eigen::Vector3d& v) { return std::sqrt(v.x() * v.x() + v.y() * v.y()); }
 
 }  // namespace metronome::metaworld

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 
 /// The reward's building blocks (reference spec section 5). Pure functions.
 namespace metronome::metaworld {
@@ -70,7 +71,13 @@ struct CagingShape {
 /// @param gripper  action[3] as given, not clipped.
 Scalar Caging(const CagingState& state, const CagingShape& shape, float gripper);
 
-/// Length of the x-y part.
-double PlanarNorm(const Eigen::Vector3d& v);
+/// Euclidean length, summed in order with fused multiply-adds: as numpy's linear algebra does on the
+/// processors that we build for, hence equal to the official numbers to the bit.
+template <class Vector>
+double Norm(const Eigen::MatrixBase<Vector>& v) {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < v.size(); ++i) sum = std::fma(v[i], v[i], sum);
+  return std::sqrt(sum);
+}
 
 }  // namespace metronome::metaworld

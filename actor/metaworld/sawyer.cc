@@ -132,7 +132,7 @@ StepResult SawyerEnvironment::Conclude(const Action& action) {
 SawyerEnvironment::Frame SawyerEnvironment::CurrentFrame() const {
   Frame frame{};
   const Eigen::Vector3d hand = BodyPosition(hand_);
-  const double opening = (BodyPosition(right_claw_) - BodyPosition(left_claw_)).norm();
+  const double opening = Norm(BodyPosition(right_claw_) - BodyPosition(left_claw_));
   const ObjectPose object = Object();
   std::copy_n(hand.data(), 3, frame.begin());
   frame[3] = std::clamp(opening / 0.1, 0.0, 1.0);  // claws are at most about 0.1 m apart

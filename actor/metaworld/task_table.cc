@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "actor/metaworld/sawyer.h"
-#include "common/near_miss.h"
+#include "common/task_names.h"
 
 namespace metronome::metaworld {
 
@@ -45,19 +45,13 @@ const std::vector<TaskSpec>& AllTasks() {
   return tasks;
 }
 
-std::vector<std::string> TaskNames() {
-  std::vector<std::string> names;
-  for (const TaskSpec& task : AllTasks()) names.push_back(task.name);
-  return names;
-}
-
 const TaskSpec& FindTask(const std::string& spelling) {
-  const auto named = [&spelling](const TaskSpec& task) {
-    return spelling == task.name || spelling == task.name + "-v2" || spelling == task.name + "-v3";
-  };
+  const std::string name = CanonicalTaskName(spelling);
   const auto& tasks = AllTasks();
-  const auto found = std::find_if(tasks.begin(), tasks.end(), named);
-  if (found == tasks.end()) throw std::invalid_argument(UnknownName("task", spelling, TaskNames()));
+  const auto found = std::find_if(tasks.begin(), tasks.end(),
+                                  [&name](const TaskSpec& task) { return task.name == name; });
+  if (found == tasks.end())
+    throw std::logic_error("task " + name + " is named in common/ but has no row in the table");
   return *found;
 }
 

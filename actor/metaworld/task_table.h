@@ -25,9 +25,6 @@ struct TaskSpec {
 /// The table, in alphabetical order. Thread-safe.
 const std::vector<TaskSpec>& AllTasks();
 
-/// Canonical names, in the table's order.
-std::vector<std::string> TaskNames();
-
 /// @param spelling  NAME, NAME-v2 or NAME-v3.
 /// @throws std::invalid_argument for any other, naming the near miss and the list.
 const TaskSpec& FindTask(const std::string& spelling);

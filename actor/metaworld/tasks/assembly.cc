@@ -20,13 +20,13 @@ struct Placed {
 /// How near the ring's centre is to sitting on the peg, by a funnel over the peg.
 Placed RewardPlace(const Eigen::Vector3d& ring, const Eigen::Vector3d& target) {
   Eigen::Vector3d error = target - ring;
-  const double radius = PlanarNorm(error);
+  const double radius = Norm(error.head<2>());
   const bool success = radius < 0.02 && error.z() > 0;
   const double threshold = success ? 0.02 : 0.01;
   const double height = radius > threshold ? 0.02 * std::log(radius - threshold) + 0.2 : 0;
   error.z() = (height - ring.z()) * 3;
   const bool lifted = ring.z() > 0.02 || radius < threshold;
-  return {0.1 * (lifted ? 1 : 0) + 0.9 * LongTail(error.norm(), 0, 0.02, 0.4), success};
+  return {0.1 * (lifted ? 1 : 0) + 0.9 * LongTail(Norm(error), 0, 0.02, 0.4), success};
 }
 
 class Assembly final : public SawyerEnvironment {
@@ -67,7 +67,7 @@ class Assembly final : public SawyerEnvironment {
     // Caging takes the object for a ball; along the handle any place is as good.
     if (std::abs(wrench.x() - hand_x) < 0.01) wrench.x() = hand_x;
     const Eigen::Vector4d quaternion = Eigen::Map<const Eigen::Vector4d>(observation.data() + 7);
-    const double upright = std::max(1 - (quaternion - kUpright).norm() / 0.4, 0.0);
+    const double upright = std::max(1 - Norm(quaternion - kUpright) / 0.4, 0.0);
     const Scalar grasp = Caging(wrench, kCaging, action[3]);
     const Placed placed = RewardPlace(SitePosition(ring_), target_);
 

@@ -40,13 +40,13 @@ class BinPicking final : public SawyerEnvironment {
   Outcome Evaluate(const Observation& observation, const Action& action) override {
     const Eigen::Vector3d hand = At3(observation.data(), 0);
     const Eigen::Vector3d object = At3(observation.data() + 4, 0);
-    const double to_target = (object - target_).norm();
+    const double to_target = Norm(object - target_);
     if (!first_distance_) first_distance_ = to_target;  // at the first step, not at reset
     const double in_place = LongTail(to_target, 0, 0.05, *first_distance_);
     const Scalar grasp = Caging(object, kCaging, action[3]);
 
     Scalar reward = Hamacher(grasp, in_place);
-    const bool near = (object - hand).norm() < 0.04;
+    const bool near = Norm(object - hand) < 0.04;
     const bool lifted = object.z() - 0.02 > object_init_.z();
     const bool grasped = near && lifted && !(observation[3] < 0.43);
     if (grasped) reward = reward + (1 + 5 * Hamacher(AboveFloor(hand), in_place));
@@ -62,8 +62,8 @@ class BinPicking final : public SawyerEnvironment {
 
   /// 1 while the hand stays above the funnels of both bins, so that it clears their walls.
   [[nodiscard]] double AboveFloor(const Eigen::Vector3d& hand) const {
-    const double floor = std::min(FunnelHeight(PlanarNorm(hand - object_init_)),
-                                  FunnelHeight(PlanarNorm(hand - target_)));
+    const double floor = std::min(FunnelHeight(Norm((hand - object_init_).head<2>())),
+                                  FunnelHeight(Norm((hand - target_).head<2>())));
     return hand.z() >= floor ? 1 : LongTail(std::max(floor - hand.z(), 0.0), 0, 0.01, 0.05);
   }
 

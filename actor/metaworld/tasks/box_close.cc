@@ -11,19 +11,19 @@ const Eigen::Vector4d kUpright(0.707, 0, 0, 0.707);  // quaternion (w, x, y, z) 
 
 /// 1 while the hand stays above a funnel around the lid's handle, so that it comes from above.
 double AboveFloor(const Eigen::Vector3d& hand, const Eigen::Vector3d& lid) {
-  const double radius = PlanarNorm(hand - lid);
+  const double radius = Norm((hand - lid).head<2>());
   const double floor = radius <= 0.02 ? 0 : 0.04 * std::log(radius - 0.02) + 0.4;
   return hand.z() >= floor ? 1 : LongTail(floor - hand.z(), 0, 0.01, floor / 2);
 }
 
 double RewardReady(const Eigen::Vector3d& hand, const Eigen::Vector3d& lid) {
-  return Hamacher(AboveFloor(hand, lid), LongTail((hand - lid).norm(), 0, 0.02, 0.5)).value();
+  return Hamacher(AboveFloor(hand, lid), LongTail(Norm(hand - lid), 0, 0.02, 0.5)).value();
 }
 
 double RewardPlace(const Eigen::Vector3d& lid, const Eigen::Vector3d& target) {
   Eigen::Vector3d error = target - lid;
   error.z() *= 3;
-  return 0.2 * (lid.z() > 0.04 ? 1 : 0) + 0.8 * LongTail(error.norm(), 0, 0.05, 0.25);
+  return 0.2 * (lid.z() > 0.04 ? 1 : 0) + 0.8 * LongTail(Norm(error), 0, 0.05, 0.25);
 }
 
 class BoxClose final : public SawyerEnvironment {
@@ -60,12 +60,12 @@ class BoxClose final : public SawyerEnvironment {
     const Eigen::Vector3d lid = object + Eigen::Vector3d(0, 0, 0.02);
     const Eigen::Vector4d quaternion = Eigen::Map<const Eigen::Vector4d>(observation.data() + 7);
     const double grab = (std::clamp(action[3], -1.0F, 1.0F) + 1.0F) / 2.0F;
-    const double upright = std::max(1 - (quaternion - kUpright).norm() / 0.2, 0.0);
+    const double upright = std::max(1 - Norm(quaternion - kUpright) / 0.2, 0.0);
     const double ready = RewardReady(hand, lid);
     const double place = RewardPlace(lid, target_);
 
     double reward = 2 * Hamacher(grab, ready).value() + 8 * place;
-    const bool success = (object - target_).norm() < 0.08;
+    const bool success = Norm(object - target_) < 0.08;
     if (success) reward = 10;
     reward *= upright;  // after the success reward too: no kicking the lid onto the box
     return {reward,

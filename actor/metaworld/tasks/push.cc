@@ -58,9 +58,9 @@ class Push final : public SawyerEnvironment {
   Outcome Evaluate(const Observation& observation, const Action& action) override {
     const Eigen::Vector3d object = At3(observation.data() + 4, 0);
     const double opening = observation[3];
-    const double tcp_to_object = (object - Tcp()).norm();
-    const double to_target = (object - target_).norm();
-    const double in_place = LongTail(to_target, 0, 0.05, (object_init_ - target_).norm());
+    const double tcp_to_object = Norm(object - Tcp());
+    const double to_target = Norm(object - target_);
+    const double in_place = LongTail(to_target, 0, 0.05, Norm(object_init_ - target_));
     const Scalar grasp = Caging(object, kCaging, action[3]);
 
     Scalar reward = 2 * grasp;
