@@ -1,0 +1,88 @@
+#include "actor/evaluate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+#include "actor/metaworld/task_table.h"
+#include "actor/rollout.h"
+
+namespace metronome {
+namespace {
+
+// Values of the textbook example (Wilson 1927; Newcombe 1998, table I): 81 of 263, 15 of 148, 0 of
+// 20, 1 of 29.
+TEST(WilsonIntervalTest, AgreesWithPublishedValues) {
+  double low = 0;
+  double high = 0;
+  WilsonInterval(81, 263, low, high);
+  EXPECT_NEAR(low, 0.2553, 5e-5);
+  EXPECT_NEAR(high, 0.3662, 5e-5);
+  WilsonInterval(15, 148, low, high);
+  EXPECT_NEAR(low, 0.0624, 5e-5);
+  EXPECT_NEAR(high, 0.1605, 5e-5);
+  WilsonInterval(0, 20, low, high);
+  EXPECT_NEAR(low, 0.0, 5e-5);
+  EXPECT_NEAR(high, 0.1611, 5e-5);
+  WilsonInterval(1, 29, low, high);
+  EXPECT_NEAR(low, 0.0061, 5e-5);
+  EXPECT_NEAR(high, 0.1718, 5e-5);
+  EXPECT_THROW(WilsonInterval(0, 0, low, high), std::invalid_argument);
+}
+
+TEST(EvaluationPlacementTest, IsDrawnByNoTrainingRun) {
+  EvaluateOptions options;
+  std::set<metaworld::RandVec> evaluation;
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    options.seed = seed;
+    for (std::uint64_t i = 0; i < 50; ++i) {
+      evaluation.insert(EvaluationPlacement(options, "push", i));
+    }
+  }
+  EXPECT_EQ(evaluation.size(), 150U);
+  RunConfig config;
+  config.mutable_environment()->set_task("push");
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    config.set_seed(seed);
+    for (std::uint64_t number = 0; number < 50; ++number) {
+      EXPECT_EQ(evaluation.count(TrainingPlacement(config, number)), 0U);
+    }
+  }
+}
+
+TEST(TrainingPlacementTest, FixedIsOneForTheRunAndRandomOneForEachEpisode) {
+  RunConfig config;
+  config.mutable_environment()->set_task("box-close");
+  EXPECT_NE(TrainingPlacement(config, 0), TrainingPlacement(config, 1));
+  EXPECT_EQ(TrainingPlacement(config, 7), TrainingPlacement(config, 7));
+  config.mutable_environment()->set_placements(PLACEMENTS_FIXED);
+  EXPECT_EQ(TrainingPlacement(config, 0), TrainingPlacement(config, 1));
+  const auto of_seed_one = TrainingPlacement(config, 0);
+  config.set_seed(2);
+  EXPECT_NE(TrainingPlacement(config, 0), of_seed_one);
+}
+
+TEST(RunEvaluateTest, NamesWhatIsWrongWithItsOptions) {
+  const auto fail = [](EvaluateOptions options, int want) {
+    std::ostringstream out;
+    std::ostringstream err;
+    EXPECT_EQ(RunEvaluate(options, out, err), want);
+    EXPECT_EQ(out.str(), "");
+    return err.str();
+  };
+  EvaluateOptions options;
+  options.checkpoint = "no-such-file.ckpt";
+  EXPECT_NE(fail(options, 1).find("no-such-file.ckpt"), std::string::npos);
+  options.episodes = 0;
+  EXPECT_NE(fail(options, 2).find("--episodes"), std::string::npos);
+  options.episodes = 1;
+  options.placements = "mt2";
+  EXPECT_NE(fail(options, 2).find("random, mt1"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace metronome
