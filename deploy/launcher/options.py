@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 METHODS = ("multihead", "ppo", "ppo-time")
 # A run's name is a folder and a DDS partition, where * ? [ ] would be patterns.
-RUN_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
+RUN_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 
 
 def _whole(low, high=None):
@@ -46,7 +46,7 @@ def _one_of(names):
 def _run_name(text):
     if not RUN_NAME.fullmatch(text):
         raise argparse.ArgumentTypeError(
-            f"'{text}' cannot name a run: letters, digits, '.', '_' and '-', at most 100")
+            f"'{text}' cannot name a run: letters, digits, '.', '_' and '-', at most 64, and a letter or digit first")
     return text
 
 
@@ -98,7 +98,7 @@ def _parser():
 def _fresh_name(options):
     parts = (options.task or "run", options.method or "multihead",
              f"s{1 if options.seed is None else options.seed}", time.strftime("%Y%m%d-%H%M%S"))
-    base = re.sub(r"[^A-Za-z0-9._-]", "_", "-".join(parts)).lstrip("._-")[:90]
+    base = re.sub(r"[^A-Za-z0-9._-]", "_", "-".join(parts)).lstrip("._-")[:58]
     name, count = base, 1
     while (options.runs / name).exists():
         count += 1
