@@ -1,0 +1,300 @@
+#include "actor/actor_client.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/config.h"
+#include "common/network.h"
+
+namespace metronome {
+namespace {
+
+constexpr std::chrono::milliseconds kCloseTimeout{2000};
+
+double Seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
+
+/// The newest incarnation of those that serve or have served; of equals the lower id.
+const RunDescription* Best(const std::map<std::uint64_t, RunDescription>& learners) {
+  const RunDescription* best = nullptr;
+  for (const auto& [id, learner] : learners) {
+    if (!learner.serving && !learner.finished) continue;
+    if (best == nullptr || learner.incarnation > best->incarnation) best = &learner;
+  }
+  return best;
+}
+
+bool SameStart(const RunDescription& a, const RunDescription& b) {
+  return a.learner_id == b.learner_id && a.incarnation == b.incarnation;
+}
+
+/// @return the complaint, or std::nullopt.
+std::optional<std::string> ParseRunConfig(const std::string& bytes, RunConfig* config) {
+  if (!config->ParseFromString(bytes)) return "it does not parse";
+  try {
+    Validate(*config);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return std::nullopt;
+}
+
+bool Fits(const PolicySnapshot& snapshot, const RunConfig& config) {
+  const auto finite = [](const std::vector<float>& values) {
+    return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+  };
+  return snapshot.parameters.size() == ActorLayout(ShapeOf(config)).size &&
+         snapshot.observation_mean.size() == kObservationSize &&
+         snapshot.observation_inv_std.size() == kObservationSize && finite(snapshot.parameters) &&
+         finite(snapshot.observation_mean) && finite(snapshot.observation_inv_std);
+}
+
+}  // namespace
+
+struct ActorClient::EndOfRun {
+  ActorClient* client;
+  ~EndOfRun() {
+    if (client->workers_) client->workers_->Cancel();
+    client->bus_->Close(kCloseTimeout);  // before joining: a worker may be blocked in Send
+    client->workers_.reset();
+  }
+};
+
+ActorClient::ActorClient(ActorBus* bus, SetUpRun set_up_run, ActorClientOptions options)
+    : bus_(bus), set_up_run_(std::move(set_up_run)), options_(std::move(options)) {}
+
+void ActorClient::Stop() {
+  stopped_ = true;
+  bus_->Wake();
+}
+
+ActorEnd ActorClient::Run() {
+  const EndOfRun end_of_run{this};
+  StartWaiting("no learner for run '" + options_.run_name + "' on domain " +
+               std::to_string(options_.domain) + " yet");
+  while (!stopped_) {
+    std::optional<ActorEnd> end;
+    if (auto event = bus_->Wait(NextTick())) end = Handle(*std::move(event));
+    if (workers_ && workers_->failure()) std::rethrow_exception(workers_->failure());
+    if (!end) end = Tick();
+    if (end) return *end;
+  }
+  return ActorEnd::kStopped;
+}
+
+std::optional<ActorEnd> ActorClient::Handle(ActorEvent event) {
+  if (auto* description = std::get_if<RunDescription>(&event)) {
+    return HandleDescription(std::move(*description));
+  }
+  if (auto* order = std::get_if<EpisodeOrder>(&event)) return HandleOrder(*order);
+  if (auto* lost = std::get_if<LearnerLost>(&event)) return HandleLost(lost->learner_id);
+  if (auto* snapshot = std::get_if<PolicySnapshot>(&event)) {
+    book_.Add(std::move(*snapshot));
+    QueueReady();
+  }
+  if (auto* bad = std::get_if<BadSample>(&event)) {
+    spdlog::warn("dropped a sample of {}: {}", bad->topic, bad->reason);
+  }
+  return std::nullopt;
+}
+
+std::optional<ActorEnd> ActorClient::HandleDescription(RunDescription description) {
+  if (description.protocol_version != kProtocolVersion) {
+    spdlog::error(
+        "a learner of run '{}' speaks protocol version {}, this actor {}: build both from "
+        "the same sources",
+        options_.run_name, description.protocol_version, kProtocolVersion);
+    if (obeyed_ && !waiting_since_) return std::nullopt;  // a stranger; the run goes on
+    return ActorEnd::kRefused;
+  }
+  if (description.run_name != options_.run_name) {
+    spdlog::warn("dropped the description of run '{}': this actor serves '{}'",
+                 description.run_name, options_.run_name);
+    return std::nullopt;
+  }
+  const std::uint64_t id = description.learner_id;
+  learners_[id] = std::move(description);
+  return Reconsider();
+}
+
+std::optional<ActorEnd> ActorClient::HandleLost(std::uint64_t learner_id) {
+  learners_.erase(learner_id);
+  if (obeyed_ && obeyed_->learner_id == learner_id && !waiting_since_) {
+    StartWaiting("the learner of run '" + options_.run_name + "' is gone: waiting for its return");
+    spdlog::warn("{}", waiting_for_);
+  }
+  return Reconsider();
+}
+
+std::optional<ActorEnd> ActorClient::Reconsider() {
+  const RunDescription* best = Best(learners_);
+  if (best == nullptr) return std::nullopt;
+  if (best->finished) return Finish();
+  if (!obeyed_ || !SameStart(*obeyed_, *best)) return Adopt(RunDescription(*best));
+  if (waiting_since_) spdlog::info("the learner is back");
+  waiting_since_.reset();
+  return std::nullopt;
+}
+
+std::optional<ActorEnd> ActorClient::Adopt(const RunDescription& description) {
+  if (description.engine != options_.engine) {
+    spdlog::error(
+        "run '{}' is on engine {}, this actor was built on {}: start an actor of that "
+        "engine",
+        options_.run_name, description.engine, options_.engine);
+    return ActorEnd::kRefused;
+  }
+  RunConfig config;
+  if (const auto complaint = ParseRunConfig(description.config, &config)) {
+    spdlog::error("dropped a description of run '{}' whose configuration is wrong: {}",
+                  options_.run_name, *complaint);
+    learners_.erase(description.learner_id);
+    return std::nullopt;
+  }
+  LeaveRun();
+  RunSetup setup = SetUp(config);
+  config_ = std::move(config);
+  canonical_digest_ = std::move(setup.canonical_digest);
+  obeyed_ = description;
+  waiting_since_.reset();
+  steps_at_last_status_ = 0;
+  workers_ = std::make_unique<WorkerPool>(
+      std::move(setup.players),
+      [this, incarnation = description.incarnation](Episode episode) {
+        Deliver(incarnation, std::move(episode));
+      },
+      [this] { bus_->Wake(); });
+  spdlog::info("joined run '{}' (task {}, engine {}, learner start {}) with {} slot(s)",
+               options_.run_name, config_.environment().task(), options_.engine,
+               description.incarnation, options_.slots);
+  book_.Obey(description.incarnation);
+  SendStatus();
+  QueueReady();
+  return std::nullopt;
+}
+
+RunSetup ActorClient::SetUp(const RunConfig& config) const {
+  try {
+    return set_up_run_(config, options_.slots);
+  } catch (const std::exception& error) {
+    throw SetUpFailed(error.what());
+  }
+}
+
+std::optional<ActorEnd> ActorClient::Finish() {
+  if (!options_.stay) {
+    spdlog::info("run '{}' is finished: {} episodes were played here", options_.run_name,
+                 episodes_done_.load());
+    return ActorEnd::kFinished;
+  }
+  if (!obeyed_ && waiting_since_) return std::nullopt;
+  LeaveRun();
+  book_.ObeyNobody();
+  StartWaiting("run '" + options_.run_name + "' is finished: staying for the next of that name");
+  spdlog::info("{}", waiting_for_);
+  return std::nullopt;
+}
+
+void ActorClient::LeaveRun() {
+  workers_.reset();
+  obeyed_.reset();
+}
+
+std::optional<ActorEnd> ActorClient::HandleOrder(const EpisodeOrder& order) {
+  if (order.kind == EpisodeOrder::Kind::kRefuse) {
+    if (obeyed_ && order.incarnation < obeyed_->incarnation) return std::nullopt;
+    spdlog::error("the learner of run '{}' refused this actor: {}", options_.run_name,
+                  order.reason);
+    return ActorEnd::kRefused;
+  }
+  if (!book_.Add(order)) {
+    spdlog::warn("dropped an order of {} episodes: {} wait already", order.numbers.size(),
+                 book_.held());
+  }
+  QueueReady();
+  return std::nullopt;
+}
+
+void ActorClient::QueueReady() {
+  if (!workers_) return;
+  std::vector<EpisodeTask> tasks = book_.TakeReady();
+  std::erase_if(tasks, [this](const EpisodeTask& task) {
+    if (Fits(*task.snapshot, config_)) return false;
+    spdlog::warn("dropped the order of episode {}: snapshot {} does not fit the run's network",
+                 task.number, task.snapshot->version);
+    return true;
+  });
+  workers_->Add(std::move(tasks));
+}
+
+void ActorClient::Deliver(std::uint64_t incarnation, Episode episode) {
+  EpisodeMessage message;
+  message.incarnation = incarnation;
+  message.actor_id = options_.actor_id;
+  message.episode = std::move(episode);
+  if (bus_->Send(message) == ActorBus::SendResult::kSent) ++episodes_done_;
+  // Without a learner the episode is dropped: it will be ordered again.
+}
+
+void ActorClient::StartWaiting(const std::string& cause) {
+  waiting_since_ = Clock::now();
+  waiting_for_ = cause;
+  next_notice_ = *waiting_since_ + options_.notice_every;
+}
+
+std::optional<ActorEnd> ActorClient::Tick() {
+  const Clock::time_point now = Clock::now();
+  if (obeyed_ && now >= next_status_) SendStatus();
+  return waiting_since_ ? TickWithoutLearner(now) : std::nullopt;
+}
+
+std::optional<ActorEnd> ActorClient::TickWithoutLearner(Clock::time_point now) {
+  const double waited = Seconds(now - *waiting_since_);
+  if (options_.patience && now - *waiting_since_ >= *options_.patience) {
+    spdlog::error("{}: giving up after {:.0f} s", waiting_for_, waited);
+    return ActorEnd::kNoLearner;
+  }
+  if (now < next_notice_) return std::nullopt;
+  next_notice_ = now + options_.notice_every;
+  if (options_.patience) {
+    spdlog::info("{} ({:.0f} s of {:.0f} s)", waiting_for_, waited, Seconds(*options_.patience));
+  } else {
+    spdlog::info("{} ({:.0f} s)", waiting_for_, waited);
+  }
+  return std::nullopt;
+}
+
+void ActorClient::SendStatus() {
+  const Clock::time_point now = Clock::now();
+  const std::uint64_t steps = workers_->steps();
+  ActorStatus status;
+  status.actor_id = options_.actor_id;
+  status.incarnation = obeyed_->incarnation;
+  status.host = options_.host;
+  status.pid = options_.pid;
+  status.engine = options_.engine;
+  status.build = options_.build;
+  status.canonical_digest = canonical_digest_;
+  status.slots = static_cast<std::uint32_t>(options_.slots);
+  status.episodes_done = episodes_done_;
+  const double passed = Seconds(now - last_status_);
+  if (steps > 0) {
+    status.steps_per_second = static_cast<double>(steps - steps_at_last_status_) / passed;
+  }
+  bus_->Send(status);
+  last_status_ = now;
+  steps_at_last_status_ = steps;
+  next_status_ = now + options_.status_every;
+}
+
+Clock::time_point ActorClient::NextTick() const {
+  Clock::time_point next = Clock::time_point::max();
+  if (obeyed_) next = next_status_;
+  if (!waiting_since_) return next;
+  next = std::min(next, next_notice_);
+  return options_.patience ? std::min(next, *waiting_since_ + *options_.patience) : next;
+}
+
+}  // namespace metronome

@@ -1,0 +1,139 @@
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <mutex>
+#include <random>
+
+#include "actor/actor_client.h"
+#include "actor/metaworld/assets.h"
+#include "actor/options.h"
+#include "common/build_info.h"
+#include "common/dds/dds_bus.h"
+#include "common/logging.h"
+#include "common/signal_watch.h"
+
+namespace metronome {
+namespace {
+
+enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2, kNoLearner = 3, kSignalBase = 128 };
+
+std::uint64_t RandomId() {
+  std::random_device device;
+  return (std::uint64_t{device()} << 32) | device();
+}
+
+std::string HostName() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+ActorClientOptions ClientOptions(const RunOptions& options) {
+  ActorClientOptions client;
+  client.run_name = options.bus.run_name;
+  client.domain = options.bus.domain;
+  client.slots = options.envs;
+  client.stay = options.stay;
+  if (options.learner_timeout) {
+    client.patience = std::chrono::milliseconds(std::llround(*options.learner_timeout * 1000));
+  } else if (options.stay) {
+    client.patience.reset();
+  }
+  client.actor_id = RandomId();
+  client.host = HostName();
+  client.pid = static_cast<std::uint32_t>(getpid());
+  client.engine = EngineName();
+  client.build = BuildIdentity();
+  return client;
+}
+
+int StatusOf(ActorEnd end, int signal) {
+  switch (end) {
+    case ActorEnd::kFinished:
+      return kOk;
+    case ActorEnd::kStopped:
+      return kSignalBase + signal;
+    case ActorEnd::kNoLearner:
+      return kNoLearner;
+    case ActorEnd::kRefused:
+      break;
+  }
+  return kFailed;
+}
+
+/// Whom a signal stops, while there is someone.
+class StopTarget {
+ public:
+  void Set(ActorClient* client) {
+    const std::lock_guard lock(mutex_);
+    client_ = client;
+    if (client_ != nullptr && signal_ != 0) client_->Stop();
+  }
+  void Signal(int number) {
+    const std::lock_guard lock(mutex_);
+    signal_ = number;
+    if (client_ != nullptr) client_->Stop();
+  }
+  int signal() const {
+    const std::lock_guard lock(mutex_);
+    return signal_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  ActorClient* client_ = nullptr;
+  int signal_ = 0;
+};
+
+int Serve(const RunOptions& options) {
+  const ActorClientOptions client_options = ClientOptions(options);
+  StopTarget target;
+  // Before the bus, whose threads must inherit the blocked signals.
+  const SignalWatch signals([&target](int number) { target.Signal(number); });
+  const auto bus = MakeDdsActorBus(options.bus, client_options.actor_id);
+  ActorClient client(bus.get(), SetUpMetaworldRun, client_options);
+  target.Set(&client);
+  const auto clear = [&target](ActorClient*) { target.Set(nullptr); };
+  const std::unique_ptr<ActorClient, decltype(clear)> set(&client, clear);
+  const ActorEnd end = client.Run();
+  if (end == ActorEnd::kStopped) spdlog::info("stopped by signal {}", target.signal());
+  return StatusOf(end, target.signal());
+}
+
+int Execute(const RunOptions& options) {
+  SetUpLogging("actor", options.log_level);
+  const std::string assets = metaworld::DefaultAssetsPath();
+  if (!std::filesystem::is_directory(assets)) {
+    spdlog::error("the Meta-World scene files are not at {}: run deploy/setup", assets);
+    return kUsage;
+  }
+  try {
+    return Serve(options);
+  } catch (const SetUpFailed& error) {
+    spdlog::error("{}", error.what());
+    return kUsage;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return kFailed;
+  }
+}
+
+int Execute(const TraceOptions& options) { return RunTrace(options, std::cout); }
+int Execute(const PlacementsOptions& options) { return RunPlacements(options, std::cout); }
+int Execute(const EvaluateOptions& options) { return RunEvaluate(options, std::cout, std::cerr); }
+
+}  // namespace
+}  // namespace metronome
+
+int main(int argc, char** argv) {
+  const auto parsed = metronome::ParseActorCommand(argc, argv);
+  if (const int* status = std::get_if<int>(&parsed)) return *status;
+  return std::visit([](const auto& command) { return metronome::Execute(command); },
+                    std::get<metronome::ActorCommand>(parsed));
+}

@@ -1,0 +1,172 @@
+#include "actor/options.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <stdexcept>
+
+#include "common/build_info.h"
+#include "common/cli_parse.h"
+#include "common/logging.h"
+#include "common/near_miss.h"
+#include "common/task_names.h"
+
+namespace metronome {
+namespace {
+
+constexpr const char* kProgram = "metronome-actor";
+
+/// What is typed before it is judged.
+struct Typed {
+  RunOptions run;
+  std::string transport = "udp";
+  std::string network = "loopback";
+  TraceOptions trace;
+  PlacementsOptions placements;
+  EvaluateOptions evaluate;
+};
+
+/// One of a few words; another one is answered with the near miss.
+CLI::Validator OneOf(const std::string& kind, const std::vector<std::string>& words) {
+  return CLI::Validator(
+      [kind, words](std::string& word) {
+        for (const std::string& known : words) {
+          if (word == known) return std::string();
+        }
+        return UnknownName(kind, word, words);
+      },
+      "");
+}
+
+CLI::Validator Task() {
+  return CLI::Validator(
+      [](std::string& word) {
+        try {
+          CanonicalTaskName(word);
+          return std::string();
+        } catch (const std::invalid_argument& error) {
+          return std::string(error.what());
+        }
+      },
+      "");
+}
+
+const std::string& TaskHelp() {
+  static const std::string help = [] {
+    std::string text = "Task, with or without -v2 or -v3:";
+    for (const std::string& name : TaskNames()) text += " " + name;
+    return text;
+  }();
+  return help;
+}
+
+void AddRun(CLI::App& app, Typed& typed) {
+  CLI::App* run =
+      app.add_subcommand("run", "Join a run: play the episodes that its learner orders");
+  run->add_option("--run", typed.run.bus.run_name, "Name of the run")->required();
+  run->add_option("--domain", typed.run.bus.domain, "DDS domain, 0 to 232")
+      ->check(CLI::Range(0, 232))
+      ->capture_default_str();
+  run->add_option("--envs", typed.run.envs, "Episodes at once, a thread each, 1 to 1024")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  run->add_option("--network", typed.network,
+                  "loopback: this machine alone; lan: all interfaces, found by multicast; or peers "
+                  "to be found by unicast: HOST[:PORT],...")
+      ->capture_default_str();
+  run->add_option("--transport", typed.transport,
+                  "udp, or shm: shared memory between processes of this machine")
+      ->check(OneOf("transport", {"udp", "shm"}))
+      ->capture_default_str();
+  run->add_flag("--stay", typed.run.stay,
+                "When the run is finished, wait for the next one of that name; never give up "
+                "unless --learner-timeout says so");
+  run->add_option("--learner-timeout,--wait", typed.run.learner_timeout,
+                  "Seconds without a learner after which to give up (exit 3) [60]")
+      ->check(CLI::Range(0.0, 1e9));
+  run->add_option("--log", typed.run.log_level, "Least severe level to log, to standard error")
+      ->check(OneOf("level", LogLevels()))
+      ->capture_default_str();
+  run->footer(
+      "Exit status: 0 the run is finished, 1 refused or failed, 2 bad options or missing scene "
+      "files, 3 no learner, 130 or 143 stopped by SIGINT or SIGTERM.");
+}
+
+void AddTrace(CLI::App& app, Typed& typed) {
+  CLI::App* trace = app.add_subcommand(
+      "trace", "Print the environment's own numbers for a recorded episode, a CSV row a step");
+  trace->add_option("--task", typed.trace.task, TaskHelp())->required()->check(Task());
+  trace->add_option("--recording", typed.trace.recording, "Recording, .csv or .csv.gz")->required();
+  trace
+      ->add_option("--mode", typed.trace.mode,
+                   "forced: observe and reward the recorded states; free: start at the recorded "
+                   "placement, then only the recorded actions")
+      ->required()
+      ->check(OneOf("mode", {"forced", "free"}));
+}
+
+void AddPlacements(CLI::App& app, Typed& typed) {
+  CLI::App* placements = app.add_subcommand(
+      "placements", "Print placements (rand_vec: object xyz, goal xyz), one CSV row each");
+  placements->add_option("--task", typed.placements.task, TaskHelp())->required()->check(Task());
+  placements
+      ->add_option("--mode", typed.placements.mode,
+                   "random: of training episodes 0, 1, ...; fixed: the one of that seed; mt1: the "
+                   "official benchmark's 50")
+      ->required()
+      ->check(OneOf("mode", {"random", "fixed", "mt1"}));
+  placements->add_option("--seed", typed.placements.seed, "Run seed")->required();
+  placements->add_option("--count", typed.placements.count, "How many [10 random, 1 fixed, 50 mt1]")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40));
+}
+
+void AddEvaluate(CLI::App& app, Typed& typed) {
+  EvaluateOptions& options = typed.evaluate;
+  CLI::App* evaluate = app.add_subcommand(
+      "evaluate", "Measure a checkpoint's deterministic policy on placements never trained on");
+  evaluate->add_option("--checkpoint", options.checkpoint, "Checkpoint file")->required();
+  evaluate->add_option("--task", options.task, TaskHelp() + " [the checkpoint's]")->check(Task());
+  evaluate->add_option("--episodes", options.episodes, "How many episodes")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  evaluate->add_option("--seed", options.seed, "Seed of the placements")->capture_default_str();
+  evaluate
+      ->add_option("--placements", options.placements,
+                   "random: fresh ones; mt1: the official benchmark's 50")
+      ->check(OneOf("placements", {"random", "mt1"}))
+      ->capture_default_str();
+  evaluate->add_option("--threads", options.threads, "Episodes at once; 0: as many as cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  evaluate->add_flag("--json", options.json, "Print one JSON object");
+}
+
+RunOptions Judge(Typed typed) {
+  typed.run.bus.transport = ParseTransport(typed.transport);
+  typed.run.bus.network = ParseNetwork(typed.network);
+  CheckBusOptions(typed.run.bus);
+  return typed.run;
+}
+
+}  // namespace
+
+std::variant<ActorCommand, int> ParseActorCommand(int argc, const char* const* argv) {
+  CLI::App app("Plays Meta-World episodes for a Metronome learner, or looks at them.", kProgram);
+  app.set_version_flag("--version", ProjectVersion() + " (" + EngineName() + ")");
+  app.footer("metronome-actor COMMAND --help says more of a command.");
+  Typed typed;
+  AddRun(app, typed);
+  AddTrace(app, typed);
+  AddPlacements(app, typed);
+  AddEvaluate(app, typed);
+  if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
+  if (app.got_subcommand("trace")) return ActorCommand(typed.trace);
+  if (app.got_subcommand("placements")) return ActorCommand(typed.placements);
+  if (app.got_subcommand("evaluate")) return ActorCommand(typed.evaluate);
+  try {
+    return ActorCommand(Judge(typed));
+  } catch (const std::invalid_argument& error) {
+    return UsageError(std::string(kProgram) + " run", error.what());
+  }
+}
+
+}  // namespace metronome

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "actor/evaluate.h"
+#include "actor/placements.h"
+#include "actor/trace.h"
+#include "common/dds/bus_options.h"
+
+namespace metronome {
+
+/// `metronome-actor run`.
+struct RunOptions {
+  BusOptions bus;
+  int envs = 1;  // episodes at once, a thread each
+  bool stay = false;
+  std::optional<double> learner_timeout;  // seconds
+  std::string log_level = "info";
+};
+
+using ActorCommand = std::variant<RunOptions, TraceOptions, PlacementsOptions, EvaluateOptions>;
+
+/// The command line of metronome-actor. Prints help and complaints itself.
+/// @return the command, or the exit status: 0 (help), 2 (usage).
+std::variant<ActorCommand, int> ParseActorCommand(int argc, const char* const* argv);
+
+}  // namespace metronome
