@@ -76,12 +76,16 @@ def _parser():
     parser.add_argument("--run", type=_run_name, metavar="NAME",
                         help="the run's name (default: a new one from task, method, seed and time)")
     parser.add_argument("--resume", action="store_true", help="go on with --run from its newest checkpoint")
+    parser.add_argument("--new-total", action="store_true",
+                        help="with --resume: let --steps differ (the learning rate depends on it)")
     parser.add_argument("--config", metavar="F", help="configuration in Protobuf text format (common/config.proto)")
     parser.add_argument("--set", metavar="a.b=c", action="append", default=[],
                         help="one configuration value, e.g. ppo.clip=0.1; may be repeated")
     parser.add_argument("--placements", type=_one_of(("random", "fixed", "mt1")),
                         help="where objects and goals start (default random)")
     parser.add_argument("--horizon", type=_whole(1, 500), metavar="T", help="steps an episode (default 500)")
+    parser.add_argument("--goal", type=_one_of(("visible", "hidden")),
+                        help="whether observations show the goal (default visible)")
     parser.add_argument("--mujoco", type=_one_of(("2.2.2", "3.3.0")), default="2.2.2",
                         help="engine (default %(default)s)")
     parser.add_argument("--domain", type=_whole(0, 232), metavar="N", help="DDS domain (default 0)")
@@ -115,6 +119,8 @@ def parse(arguments):
         parser.error("which task? For example: deploy/train push")
     if options.config is not None and not Path(options.config).is_file():
         parser.error(f"there is no configuration file {options.config}")
+    if options.new_total and not options.resume:
+        parser.error("--new-total is for --resume")
     if options.resume and not options.named:
         parser.error("--resume needs --run NAME: the run to go on with")
     options.runs = options.runs.absolute()
@@ -136,13 +142,14 @@ def learner_command(options):
     command = [str(options.build / "bin" / "metronome-learner"), "run", "--run", options.run,
                "--runs", str(options.runs), "--progress", "json"]
     for name in ("task", "method", "heads", "steps", "seed", "config", "placements", "horizon",
-                 "domain", "transport", "network"):
+                 "goal", "domain", "transport", "network"):
         value = getattr(options, name)
         if value is not None:
             command += [f"--{name}", str(value)]
     for assignment in options.set:
         command += ["--set", assignment]
-    return command + (["--resume"] if options.resume else [])
+    command += ["--resume"] if options.resume else []
+    return command + (["--new-total"] if options.new_total else [])
 
 
 def actor_command(options, started):
