@@ -29,8 +29,13 @@ def _sent_when_we_die(number):
 def start(command, **streams):
     """Starts `command` in a session of its own, so that a terminal's Ctrl-C reaches only us and we
     decide the order of stopping."""
-    return subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True,
-                            preexec_fn=_sent_when_we_die(signal.SIGKILL), **streams)
+    return subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        start_new_session=True,
+        preexec_fn=_sent_when_we_die(signal.SIGKILL),
+        **streams
+    )
 
 
 def run_in_foreground(command):

@@ -46,62 +46,133 @@ def _one_of(names):
 def _run_name(text):
     if not RUN_NAME.fullmatch(text):
         raise argparse.ArgumentTypeError(
-            f"'{text}' cannot name a run: letters, digits, '.', '_' and '-', at most 64, and a letter or digit first")
+            f"'{text}' cannot name a run: 1 to 64 letters, digits, '.', '_' or '-', "
+            "a letter or digit first"
+        )
     return text
 
 
 def _parser():
     parser = argparse.ArgumentParser(
-        prog="deploy/train", allow_abbrev=False,
+        prog="deploy/train",
+        allow_abbrev=False,
         description="Learns a task on this machine: a learner and actors as child processes, after "
-                    "setting up if needed. Ctrl-C stops all with a checkpoint; --resume goes on.",
+        "setting up if needed. Ctrl-C stops all with a checkpoint; --resume goes on.",
         epilog="Results are kept in runs/NAME/. More machines join with: "
-               "build/bin/metronome-actor run --run NAME --network lan")
-    parser.add_argument("task", metavar="TASK", nargs="?",
-                        help="assembly, bin-picking, box-close, push (-v2 and -v3 mean the same); "
-                             "may be left to --config")
-    parser.add_argument("--method", type=_one_of(METHODS),
-                        help="multihead: k heads, time picks one (default); ppo: one head; "
-                             "ppo-time: one head that also sees the time")
-    parser.add_argument("--heads", type=_whole(1), metavar="K",
-                        help="heads of multihead (default 10)")
-    parser.add_argument("--actors", type=_whole(0), metavar="N", default=len(os.sched_getaffinity(0)),
-                        help="actor processes on this machine; 0: all elsewhere (default: cores, %(default)s)")
-    parser.add_argument("--envs", type=_whole(1), metavar="N", default=1,
-                        help="episodes that each actor plays at once (default 1)")
-    parser.add_argument("--steps", type=_whole(1), metavar="S",
-                        help="environment steps in all (default 1500000)")
-    parser.add_argument("--seed", type=_whole(0, 2**64 - 1), metavar="N",
-                        help="key of every random stream (default 1)")
-    parser.add_argument("--run", type=_run_name, metavar="NAME",
-                        help="the run's name (default: a new one from task, method, seed and time)")
-    parser.add_argument("--resume", action="store_true", help="go on with --run from its newest checkpoint")
-    parser.add_argument("--new-total", action="store_true",
-                        help="with --resume: let --steps differ (the learning rate depends on it)")
-    parser.add_argument("--config", metavar="F", help="configuration in Protobuf text format (common/config.proto)")
-    parser.add_argument("--set", metavar="a.b=c", action="append", default=[],
-                        help="one configuration value, e.g. ppo.clip=0.1; may be repeated")
-    parser.add_argument("--placements", type=_one_of(("random", "fixed", "mt1")),
-                        help="where objects and goals start (default random)")
-    parser.add_argument("--horizon", type=_whole(1, 500), metavar="T", help="steps an episode (default 500)")
-    parser.add_argument("--goal", type=_one_of(("visible", "hidden")),
-                        help="whether observations show the goal (default visible)")
-    parser.add_argument("--mujoco", type=_one_of(("2.2.2", "3.3.0")), default="2.2.2",
-                        help="engine (default %(default)s)")
+        "build/bin/metronome-actor run --run NAME --network lan",
+    )
+    parser.add_argument(
+        "task",
+        metavar="TASK",
+        nargs="?",
+        help="assembly, bin-picking, box-close, push (-v2 and -v3 mean the same); "
+        "may be left to --config",
+    )
+    parser.add_argument(
+        "--method",
+        type=_one_of(METHODS),
+        help="multihead: k heads, time picks one (default); ppo: one head; "
+        "ppo-time: one head that also sees the time",
+    )
+    parser.add_argument(
+        "--heads", type=_whole(1), metavar="K", help="heads of multihead (default 10)"
+    )
+    parser.add_argument(
+        "--actors",
+        type=_whole(0),
+        metavar="N",
+        default=len(os.sched_getaffinity(0)),
+        help="actor processes on this machine; 0: all elsewhere (default: cores, %(default)s)",
+    )
+    parser.add_argument(
+        "--envs",
+        type=_whole(1),
+        metavar="N",
+        default=1,
+        help="episodes that each actor plays at once (default 1)",
+    )
+    parser.add_argument(
+        "--steps", type=_whole(1), metavar="S", help="environment steps in all (default 1500000)"
+    )
+    parser.add_argument(
+        "--seed",
+        type=_whole(0, 2**64 - 1),
+        metavar="N",
+        help="key of every random stream (default 1)",
+    )
+    parser.add_argument(
+        "--run",
+        type=_run_name,
+        metavar="NAME",
+        help="the run's name (default: a new one from task, method, seed and time)",
+    )
+    parser.add_argument(
+        "--resume", action="store_true", help="go on with --run from its newest checkpoint"
+    )
+    parser.add_argument(
+        "--new-total",
+        action="store_true",
+        help="with --resume: let --steps differ (the learning rate depends on it)",
+    )
+    parser.add_argument(
+        "--config", metavar="F", help="configuration in Protobuf text format (common/config.proto)"
+    )
+    parser.add_argument(
+        "--set",
+        metavar="a.b=c",
+        action="append",
+        default=[],
+        help="one configuration value, e.g. ppo.clip=0.1; may be repeated",
+    )
+    parser.add_argument(
+        "--placements",
+        type=_one_of(("random", "fixed", "mt1")),
+        help="where objects and goals start (default random)",
+    )
+    parser.add_argument(
+        "--horizon", type=_whole(1, 500), metavar="T", help="steps an episode (default 500)"
+    )
+    parser.add_argument(
+        "--goal",
+        type=_one_of(("visible", "hidden")),
+        help="whether observations show the goal (default visible)",
+    )
+    parser.add_argument(
+        "--mujoco",
+        type=_one_of(("2.2.2", "3.3.0")),
+        default="2.2.2",
+        help="engine (default %(default)s)",
+    )
     parser.add_argument("--domain", type=_whole(0, 232), metavar="N", help="DDS domain (default 0)")
     parser.add_argument("--transport", type=_one_of(("udp", "shm")), help="default udp")
-    parser.add_argument("--network", metavar="loopback|lan|PEERS",
-                        help="who can join: this machine only (default), the local network, or named hosts")
-    parser.add_argument("--runs", type=Path, metavar="DIR", default=ROOT / "runs",
-                        help="folder of all runs (default: runs/ of this checkout)")
-    parser.add_argument("--build", type=Path, metavar="DIR",
-                        help="use the programs in DIR/bin as they are, without set-up")
+    parser.add_argument(
+        "--network",
+        metavar="loopback|lan|PEERS",
+        help="who can join: this machine only (default), the local network, or named hosts",
+    )
+    parser.add_argument(
+        "--runs",
+        type=Path,
+        metavar="DIR",
+        default=ROOT / "runs",
+        help="folder of all runs (default: runs/ of this checkout)",
+    )
+    parser.add_argument(
+        "--build",
+        type=Path,
+        metavar="DIR",
+        help="use the programs in DIR/bin as they are, without set-up",
+    )
     return parser
 
 
 def _fresh_name(options):
-    parts = (options.task or "run", options.method or "multihead",
-             f"s{1 if options.seed is None else options.seed}", time.strftime("%Y%m%d-%H%M%S"))
+    parts = (
+        options.task or "run",
+        options.method or "multihead",
+        f"s{1 if options.seed is None else options.seed}",
+        time.strftime("%Y%m%d-%H%M%S"),
+    )
     base = re.sub(r"[^A-Za-z0-9._-]", "_", "-".join(parts)).lstrip("._-")[:58]
     name, count = base, 1
     while (options.runs / name).exists():
@@ -132,17 +203,39 @@ def parse(arguments):
         hint = f"; did you mean {near[0]}?" if near else ""
         parser.error(f"there is no run {options.run} in {options.runs} to resume{hint}")
     if not options.resume and options.folder.exists():
-        parser.error(f"run {options.run} exists ({options.folder}): go on with it by --resume, "
-                     "or give another --run NAME")
+        parser.error(
+            f"run {options.run} exists ({options.folder}): go on with it by --resume, "
+            "or give another --run NAME"
+        )
     return options
 
 
 def learner_command(options):
     """The learner's command line."""
-    command = [str(options.build / "bin" / "metronome-learner"), "run", "--run", options.run,
-               "--runs", str(options.runs), "--progress", "json"]
-    for name in ("task", "method", "heads", "steps", "seed", "config", "placements", "horizon",
-                 "goal", "domain", "transport", "network"):
+    command = [
+        str(options.build / "bin" / "metronome-learner"),
+        "run",
+        "--run",
+        options.run,
+        "--runs",
+        str(options.runs),
+        "--progress",
+        "json",
+    ]
+    for name in (
+        "task",
+        "method",
+        "heads",
+        "steps",
+        "seed",
+        "config",
+        "placements",
+        "horizon",
+        "goal",
+        "domain",
+        "transport",
+        "network",
+    ):
         value = getattr(options, name)
         if value is not None:
             command += [f"--{name}", str(value)]
@@ -153,9 +246,15 @@ def learner_command(options):
 
 
 def actor_command(options, started):
-    """An actor's command line; `started` is what the learner said of itself, after its own files."""
-    command = [str(options.build / "bin" / "metronome-actor"), "run", "--run", options.run,
-               "--envs", str(options.envs)]
+    """An actor's command line; `started` is what the learner said when it accepted the run."""
+    command = [
+        str(options.build / "bin" / "metronome-actor"),
+        "run",
+        "--run",
+        options.run,
+        "--envs",
+        str(options.envs),
+    ]
     for name in ("domain", "transport", "network"):
         value = started.get(name, getattr(options, name))
         if value is not None:

@@ -12,8 +12,12 @@ def _clock(seconds):
 
 
 def _columns(record):
-    return (f"return {record['return']:8.1f}", f"success {record['success']:.2f}",
-            f"{record['fps']:7.0f} steps/s", f"{_clock(record['eta_seconds'])} left")
+    return (
+        f"return {record['return']:8.1f}",
+        f"success {record['success']:.2f}",
+        f"{record['fps']:7.0f} steps/s",
+        f"{_clock(record['eta_seconds'])} left",
+    )
 
 
 class PlainView:
@@ -38,9 +42,13 @@ class PlainView:
     def _print(self):
         record, self._pending = self._pending, None
         self._next = time.monotonic() + PLAIN_EVERY
-        print(f"update {record['update']:>4}/{record['updates_total']}  "
-              f"{record['steps']:>8}/{record['total_steps']} steps", *_columns(record),
-              sep="  ", flush=True)
+        print(
+            f"update {record['update']:>4}/{record['updates_total']}  "
+            f"{record['steps']:>8}/{record['total_steps']} steps",
+            *_columns(record),
+            sep="  ",
+            flush=True,
+        )
 
 
 class BarView:
@@ -48,16 +56,25 @@ class BarView:
 
     def __init__(self, title):
         from rich.progress import BarColumn, Progress, TextColumn
+
         self._progress = Progress(
-            TextColumn("[bold]{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f}%"),
-            TextColumn("{task.fields[columns]}"), auto_refresh=False)
+            TextColumn("[bold]{task.description}"),
+            BarColumn(),
+            TextColumn("{task.percentage:3.0f}%"),
+            TextColumn("{task.fields[columns]}"),
+            auto_refresh=False,
+        )
         self._task = self._progress.add_task(title, total=None, columns="waiting for actors")
         self._progress.start()
         self._progress.refresh()
 
     def update(self, record):
-        self._progress.update(self._task, completed=record["steps"], total=record["total_steps"],
-                              columns="  ".join(_columns(record)))
+        self._progress.update(
+            self._task,
+            completed=record["steps"],
+            total=record["total_steps"],
+            columns="  ".join(_columns(record)),
+        )
         self._progress.refresh()
 
     def note(self, text):

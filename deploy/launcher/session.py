@@ -12,12 +12,12 @@ import children
 import options as command_line
 import progress
 
-RESTARTS = 5           # of one actor, after which it is given up
-TAIL = 20              # lines of a log shown when its process failed
+RESTARTS = 5  # of one actor, after which it is given up
+TAIL = 20  # lines of a log shown when its process failed
 # Updates and checkpoints end within seconds; a learner that takes longer than this hangs.
 LEARNER_STOP = ((signal.SIGINT, 60.0), (signal.SIGTERM, 10.0), (signal.SIGKILL, 10.0))
 ACTOR_STOP = ((signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
-ACTOR_FINISH = 10.0    # seconds that actors have to see that the run is finished
+ACTOR_FINISH = 10.0  # seconds that actors have to see that the run is finished
 
 
 class Actor:
@@ -43,8 +43,8 @@ class Session:
         self._options = options
         self._view = progress.PlainView()
         self._events = children.Events()
-        self._started = None      # the learner's word that it accepted the run
-        self._finished = {}       # its last word
+        self._started = None  # the learner's word that it accepted the run
+        self._finished = {}  # its last word
         self._early, self._log = [], None
         self._actors = []
         self._stop_signal = None
@@ -56,12 +56,16 @@ class Session:
             return self._run()
         finally:
             running = [actor.process for actor in self._actors if actor.process]
-            children.stop(running + [self._learner] * (self._learner is not None),
-                          ((signal.SIGKILL, 5.0),))
+            children.stop(
+                running + [self._learner] * (self._learner is not None), ((signal.SIGKILL, 5.0),)
+            )
 
     def _run(self):
-        self._learner = children.start(command_line.learner_command(self._options),
-                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self._learner = children.start(
+            command_line.learner_command(self._options),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
         self._events.watch(self._learner.stdout, self._on_progress)
         self._events.watch(self._learner.stderr, self._on_log)
         stop_deadline, steps = None, list(LEARNER_STOP)
@@ -112,11 +116,15 @@ class Session:
         for line in self._early:
             self._log.write(line + b"\n")
         self._actors = [Actor(i, logs / f"actor-{i}.log") for i in range(self._options.actors)]
-        self._view.note(f"run {self._options.run}: learner and {len(self._actors)} actors; "
-                        f"logs in {_shown(logs)}/")
+        self._view.note(
+            f"run {self._options.run}: learner and {len(self._actors)} actors; "
+            f"logs in {_shown(logs)}/"
+        )
         if not self._actors:
-            self._view.note("no actor here: start them with build/bin/metronome-actor run --run "
-                            f"{self._options.run}")
+            self._view.note(
+                "no actor here: start them with build/bin/metronome-actor run --run "
+                f"{self._options.run}"
+            )
 
     def _on_log(self, line):
         if self._log:
@@ -141,12 +149,16 @@ class Session:
         what = f"actor {actor.index} ended with {_ending(code)}"
         if actor.starts > RESTARTS:
             actor.given_up = True
-            self._view.note(f"{what} for the {actor.starts}th time and is given up; {_shown(actor.log)}:")
+            self._view.note(
+                f"{what} for the {actor.starts}th time and is given up; {_shown(actor.log)}:"
+            )
             self._view.note(_tail(actor.log))
             return
         self._view.note(f"{what}; starting it again ({_shown(actor.log)})")
         # At once the first time; then 1, 2, 4, ... seconds, for causes that pass.
-        actor.start_at = time.monotonic() + (0.0 if actor.starts == 1 else 2.0 ** (actor.starts - 2))
+        actor.start_at = time.monotonic() + (
+            0.0 if actor.starts == 1 else 2.0 ** (actor.starts - 2)
+        )
 
     def _end_actors(self):
         running = [actor.process for actor in self._actors if actor.process]
@@ -167,9 +179,15 @@ class Session:
                 sys.stderr.write(f"deploy/train: the learner ended with {_ending(code)}\n")
             return _exit_code(code)
         if self._failed:
-            print("deploy/train: no actor stays up, so the run was stopped (see above)", file=sys.stderr)
+            print(
+                "deploy/train: no actor stays up, so the run was stopped (see above)",
+                file=sys.stderr,
+            )
         elif code != 0 and not self._stop_signal:
-            print(f"deploy/train: the learner ended with {_ending(code)}; its last lines:", file=sys.stderr)
+            print(
+                f"deploy/train: the learner ended with {_ending(code)}; its last lines:",
+                file=sys.stderr,
+            )
             print(_tail(options.folder / "logs" / "learner.log"), file=sys.stderr)
         if self._started:
             self._say_results(self._done())
@@ -180,15 +198,19 @@ class Session:
     def _say_results(self, done):
         options = self._options
         folder, latest = options.folder, options.folder / "checkpoints" / "latest"
-        print(f"{'finished' if done else 'stopped'}: {self._finished.get('message', 'run ' + options.run)}")
-        print(f"  results     {_shown(folder)}/progress.csv; TensorBoard: tensorboard --logdir {_shown(folder)}")
+        message = self._finished.get("message", f"run {options.run}")
+        print(f"{'finished' if done else 'stopped'}: {message}")
+        print(f"  results     {_shown(folder)}/progress.csv")
+        print(f"  curves      tensorboard --logdir {_shown(folder)}")
         newest = f" -> {os.readlink(latest)}" if latest.is_symlink() else ""
         print(f"  checkpoint  {_shown(latest)}{newest}")
         actor = _shown(options.build / "bin" / "metronome-actor")
         print(f"  evaluate    {actor} evaluate --checkpoint {_shown(latest)}")
         if not done:
             named = [] if options.named else ["--run", options.run]
-            print(f"  go on       {shlex.join(command_line.resume_command() + named + ['--resume'])}")
+            print(
+                f"  go on       {shlex.join(command_line.resume_command() + named + ['--resume'])}"
+            )
         sys.stdout.flush()
 
 

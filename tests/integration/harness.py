@@ -23,10 +23,20 @@ DEADLINE = 120.0
 # A run of 8 updates of 4 episodes of 50 steps: a second of work.
 EPISODES, HORIZON, UPDATES = 4, 50, 8
 STEPS = EPISODES * HORIZON * UPDATES
-SMALL = ("--task", "push", "--steps", str(STEPS), "--seed", "7",
-         "--set", f"environment.horizon={HORIZON}",
-         "--set", f"collection.episodes_per_update={EPISODES}",
-         "--set", "ppo.minibatch=50")
+SMALL = (
+    "--task",
+    "push",
+    "--steps",
+    str(STEPS),
+    "--seed",
+    "7",
+    "--set",
+    f"environment.horizon={HORIZON}",
+    "--set",
+    f"collection.episodes_per_update={EPISODES}",
+    "--set",
+    "ppo.minibatch=50",
+)
 
 
 class Process:
@@ -37,8 +47,13 @@ class Process:
         self.lines = []
         self._changed = threading.Condition()
         self._open = 2
-        self.child = children.start(self.command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                    text=True, errors="replace")
+        self.child = children.start(
+            self.command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+        )
         for stream in (self.child.stdout, self.child.stderr):
             threading.Thread(target=self._read, args=(stream,), daemon=True).start()
 
@@ -67,17 +82,23 @@ class Process:
                 self._changed.wait(left)
 
     def expect_text(self, text, seconds=DEADLINE):
-        return self.expect(lambda line: line if text.lower() in line.lower() else None,
-                           f"'{text}'", seconds)
+        return self.expect(
+            lambda line: line if text.lower() in line.lower() else None, f"'{text}'", seconds
+        )
 
     def expect_event(self, name):
-        return self.expect(lambda line: _json(line) if _json(line).get("event") == name else None,
-                           f"event {name}")
+        return self.expect(
+            lambda line: _json(line) if _json(line).get("event") == name else None, f"event {name}"
+        )
 
     def expect_update(self, number):
         """Waits for the learner's word that `number` updates or more are done."""
-        return self.expect(lambda line: _json(line) if _json(line).get("update", -1) >= number
-                           and "event" not in _json(line) else None, f"update {number}")
+        return self.expect(
+            lambda line: _json(line)
+            if _json(line).get("update", -1) >= number and "event" not in _json(line)
+            else None,
+            f"update {number}",
+        )
 
     def wait(self, seconds=DEADLINE):
         """@return the exit code, once all output is read."""
@@ -128,8 +149,20 @@ class Stage:
         return process
 
     def learner(self, run, *options, small=SMALL):
-        return self.start(LEARNER, "run", "--run", run, "--runs", self.runs, "--domain", self.domain,
-                          "--progress", "json", *small, *options)
+        return self.start(
+            LEARNER,
+            "run",
+            "--run",
+            run,
+            "--runs",
+            self.runs,
+            "--domain",
+            self.domain,
+            "--progress",
+            "json",
+            *small,
+            *options,
+        )
 
     def actor(self, run, *options):
         return self.start(ACTOR, "run", "--run", run, "--domain", self.domain, *options)

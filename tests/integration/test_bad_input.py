@@ -5,22 +5,26 @@ import pytest
 from harness import ACTOR, LEARNER
 
 
-@pytest.mark.parametrize("options, says", [
-    (("--task", "pussh"), ("push", "assembly", "bin-picking", "box-close")),
-    (("--task", "push", "--method", "multihaed"), ("multihead", "ppo-time")),
-    (("--task", "push", "--set", "ppo.clipp=0.1"), ("ppo.clip",)),
-    (("--task", "push", "--set", "pp.clip=0.1"), ("ppo",)),
-    (("--task", "push", "--set", "ppo.clip"), ("ppo.clip",)),
-    (("--task", "push", "--set", "ppo.clip=wide"), ("ppo.clip", "wide")),
-    (("--task", "push", "--heads", "501"), ("501", "500")),
-    (("--task", "push", "--heads", "0"), ("heads",)),
-    (("--task", "push", "--set", "ppo.minibatch=-5"), ("minibatch",)),
-    (("--task", "push", "--set", "ppo.learning_rate=nan"), ("learning_rate",)),
-    (("--task", "push", "--set", "policy.initial_log_std=inf"), ("initial_log_std",)),
-    (("--task", "push", "--domain", "500"), ("domain",)),
-    (("--task", "push", "--transport", "tcp"), ("udp", "shm")),
-    (("--task", "push", "--bogus"), ("--bogus",)),
-], ids=lambda value: "_".join(value) if isinstance(value, tuple) else None)
+@pytest.mark.parametrize(
+    "options, says",
+    [
+        (("--task", "pussh"), ("push", "assembly", "bin-picking", "box-close")),
+        (("--task", "push", "--method", "multihaed"), ("multihead", "ppo-time")),
+        (("--task", "push", "--set", "ppo.clipp=0.1"), ("ppo.clip",)),
+        (("--task", "push", "--set", "pp.clip=0.1"), ("ppo",)),
+        (("--task", "push", "--set", "ppo.clip"), ("ppo.clip",)),
+        (("--task", "push", "--set", "ppo.clip=wide"), ("ppo.clip", "wide")),
+        (("--task", "push", "--heads", "501"), ("501", "500")),
+        (("--task", "push", "--heads", "0"), ("heads",)),
+        (("--task", "push", "--set", "ppo.minibatch=-5"), ("minibatch",)),
+        (("--task", "push", "--set", "ppo.learning_rate=nan"), ("learning_rate",)),
+        (("--task", "push", "--set", "policy.initial_log_std=inf"), ("initial_log_std",)),
+        (("--task", "push", "--domain", "500"), ("domain",)),
+        (("--task", "push", "--transport", "tcp"), ("udp", "shm")),
+        (("--task", "push", "--bogus"), ("--bogus",)),
+    ],
+    ids=lambda value: "_".join(value) if isinstance(value, tuple) else None,
+)
 def test_the_learner_names_it_and_exits_2(stage, options, says):
     learner = stage.start(LEARNER, "run", "--run", "run", "--runs", stage.runs, *options)
     assert learner.wait(30) == 2, learner
@@ -52,27 +56,35 @@ def test_resuming_what_does_not_exist_exits_2(stage):
     assert not (stage.runs / "nothing").exists()
 
 
-@pytest.mark.parametrize("command", [
-    (ACTOR, "run"),
-    (ACTOR, "run", "--run", "run", "--envs", "0"),
-    (ACTOR, "trace", "--task", "push", "--recording", "/nowhere.csv", "--mode", "loose"),
-    (ACTOR, "placements", "--task", "pussh", "--mode", "random", "--seed", "1"),
-    (ACTOR, "evaluate"),
-    (ACTOR, "dance"),
-    (LEARNER, "inspect"),
-    (LEARNER,),
-], ids=lambda command: " ".join(word.split("/")[-1] for word in command))
+@pytest.mark.parametrize(
+    "command",
+    [
+        (ACTOR, "run"),
+        (ACTOR, "run", "--run", "run", "--envs", "0"),
+        (ACTOR, "trace", "--task", "push", "--recording", "/nowhere.csv", "--mode", "loose"),
+        (ACTOR, "placements", "--task", "pussh", "--mode", "random", "--seed", "1"),
+        (ACTOR, "evaluate"),
+        (ACTOR, "dance"),
+        (LEARNER, "inspect"),
+        (LEARNER,),
+    ],
+    ids=lambda command: " ".join(word.split("/")[-1] for word in command),
+)
 def test_other_usage_errors_exit_2(stage, command):
     process = stage.start(*command)
     assert process.wait(30) == 2, process
     assert process.text, process
 
 
-@pytest.mark.parametrize("command", [
-    (ACTOR, "evaluate", "--checkpoint", "/nowhere.ckpt"),
-    (LEARNER, "inspect", "/nowhere.ckpt"),
-    (ACTOR, "trace", "--task", "push", "--recording", "/nowhere.csv", "--mode", "free"),
-], ids=lambda command: command[1])
+@pytest.mark.parametrize(
+    "command",
+    [
+        (ACTOR, "evaluate", "--checkpoint", "/nowhere.ckpt"),
+        (LEARNER, "inspect", "/nowhere.ckpt"),
+        (ACTOR, "trace", "--task", "push", "--recording", "/nowhere.csv", "--mode", "free"),
+    ],
+    ids=lambda command: command[1],
+)
 def test_missing_files_are_named(stage, command):
     process = stage.start(*command)
     assert process.wait(30) != 0, process
@@ -83,7 +95,9 @@ def test_missing_files_are_named(stage, command):
 def test_help_is_there_for_every_command(stage, program):
     overview = stage.start(program, "--help")
     assert overview.wait(30) == 0, overview
-    commands = ("run", "inspect") if program == LEARNER else ("run", "trace", "placements", "evaluate")
+    commands = (
+        ("run", "inspect") if program == LEARNER else ("run", "trace", "placements", "evaluate")
+    )
     for command in commands:
         assert command in overview.text, overview
         assert stage.start(program, command, "--help").wait(30) == 0

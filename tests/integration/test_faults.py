@@ -23,7 +23,9 @@ def test_a_second_learner_in_another_folder_is_refused(stage, tmp_path):
     first.expect_event("started")
     actor = stage.actor("run")
     first.expect_update(1)
-    elsewhere = stage.start(*first.command[:4], "--runs", tmp_path / "elsewhere", *first.command[6:])
+    elsewhere = stage.start(
+        *first.command[:4], "--runs", tmp_path / "elsewhere", *first.command[6:]
+    )
     assert elsewhere.wait() != 0, elsewhere
     assert first.wait() == 0, first
     assert actor.wait() == 0, actor
@@ -59,6 +61,14 @@ def test_an_actor_that_stays_serves_the_next_run_of_that_name(stage):
 def test_an_actor_of_another_domain_is_not_seen(stage):
     learner = stage.learner("run")
     learner.expect_event("started")
-    actor = stage.start(stage.actor("run").command[0], "run", "--run", "run", "--wait", "3",
-                        "--domain", (stage.domain + 1) % 101)
+    actor = stage.start(
+        stage.actor("run").command[0],
+        "run",
+        "--run",
+        "run",
+        "--wait",
+        "3",
+        "--domain",
+        (stage.domain + 1) % 101,
+    )
     assert actor.wait(60) != 0, actor

@@ -13,8 +13,20 @@ TASK, OPTIONS = SMALL[1], SMALL[2:]
 
 
 def train(stage, *options, actors=2, small=OPTIONS):
-    return stage.start(TRAIN, TASK, "--build", BUILD, "--runs", stage.runs, "--domain", stage.domain,
-                       "--actors", actors, *small, *options)
+    return stage.start(
+        TRAIN,
+        TASK,
+        "--build",
+        BUILD,
+        "--runs",
+        stage.runs,
+        "--domain",
+        stage.domain,
+        "--actors",
+        actors,
+        *small,
+        *options,
+    )
 
 
 def runs_of(stage):
@@ -61,9 +73,17 @@ def test_resuming_what_does_not_exist_exits_2(stage):
     assert launcher.wait(30) == 2, launcher
 
 
-@pytest.mark.parametrize("options", [
-    ("--heads", "51"), ("--set", "ppo.clipp=1"), ("--method", "pppo"), ("--actors", "-1"), ("--bogus",),
-], ids=lambda options: options[0])
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--heads", "51"),
+        ("--set", "ppo.clipp=1"),
+        ("--method", "pppo"),
+        ("--actors", "-1"),
+        ("--bogus",),
+    ],
+    ids=lambda options: options[0],
+)
 def test_usage_errors_exit_2_and_leave_nothing(stage, options):
     launcher = train(stage, "--run", "run", *options)
     assert launcher.wait(60) == 2, launcher
@@ -91,6 +111,7 @@ def test_a_killed_launcher_leaves_no_orphans(stage):
     assert children
     launcher.kill()
     import select
+
     for child in children:
         assert select.select([child], [], [], 30)[0], "a child outlived its launcher"
         os.close(child)

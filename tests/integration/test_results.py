@@ -17,8 +17,14 @@ def rows(stage, run):
 
 def without_clock(records):
     """Rows less the columns that are wall-clock time: those marked so, and `fps`."""
-    return [{name: value for name, value in record.items()
-             if name != "fps" and not name.startswith("wall_")} for record in records]
+    return [
+        {
+            name: value
+            for name, value in record.items()
+            if name != "fps" and not name.startswith("wall_")
+        }
+        for record in records
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +48,8 @@ def test_a_run_leaves_everything_that_the_readme_names(finished):
 def test_every_episode_number_entered_exactly_one_update(finished):
     episodes = STEPS // 50
     finished.processes[0].expect_text(
-        f"every episode number entered exactly one update: {episodes} of {episodes}", seconds=1)
+        f"every episode number entered exactly one update: {episodes} of {episodes}", seconds=1
+    )
 
 
 def test_two_runs_differ_in_wall_clock_columns_alone(finished, stage):
@@ -56,8 +63,9 @@ def test_a_resumed_run_cuts_its_logs_and_writes_the_same_ones(finished, stage):
     learner.kill()
     # The checkpoint may be older than the last row written: make sure that it is.
     checkpoint = stage.latest("run").resolve()
-    earlier = sorted(checkpoint.parent.glob(checkpoint.name.translate(
-        str.maketrans("0123456789", "?" * 10))))[-3]
+    earlier = sorted(
+        checkpoint.parent.glob(checkpoint.name.translate(str.maketrans("0123456789", "?" * 10)))
+    )[-3]
     stage.latest("run").unlink()
     stage.latest("run").symlink_to(earlier.name)
     for newer in sorted(checkpoint.parent.glob("*.ckpt")):
@@ -68,7 +76,9 @@ def test_a_resumed_run_cuts_its_logs_and_writes_the_same_ones(finished, stage):
 
 
 def test_a_finished_run_resumed_with_more_steps_is_refused(finished):
-    longer = [str(2 * STEPS) if word == str(STEPS) else word for word in finished.processes[0].command]
+    longer = [
+        str(2 * STEPS) if word == str(STEPS) else word for word in finished.processes[0].command
+    ]
     refused = finished.start(*longer, "--resume")
     assert refused.wait() != 0, refused
     assert "total_steps" in refused.text or "steps" in refused.text, refused
@@ -90,8 +100,16 @@ def test_a_damaged_checkpoint_loads_nothing(finished, tmp_path, place):
 
 def test_evaluation_reads_the_checkpoint_and_repeats_itself(finished):
     from harness import ACTOR
-    evaluate = (ACTOR, "evaluate", "--checkpoint", finished.latest("whole"), "--episodes", "2",
-                "--json")
+
+    evaluate = (
+        ACTOR,
+        "evaluate",
+        "--checkpoint",
+        finished.latest("whole"),
+        "--episodes",
+        "2",
+        "--json",
+    )
     first, second = finished.start(*evaluate), finished.start(*evaluate)
     assert first.wait() == 0, first
     assert second.wait() == 0, second
