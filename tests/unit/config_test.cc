@@ -1,8 +1,8 @@
 #include "common/config.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -380,7 +380,8 @@ class ConfigDraftTest : public ::testing::Test {
                             "seed: 5\nppo { clip: 0.3\n  learning_rate: 1e-3 }\n";
   }
   void TearDown() override { std::filesystem::remove(path_); }
-  const std::string path_ = ::testing::TempDir() + "metronome_config_draft.cfg";
+  const std::string path_ =
+      ::testing::TempDir() + "metronome_draft_" + std::to_string(getpid()) + ".cfg";
 };
 
 TEST_F(ConfigDraftTest, LaterSourcesOverrideEarlierOnes) {

@@ -1,0 +1,64 @@
+#include "learner/inspect.h"
+
+#include <cmath>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+
+#include "common/config_fields.h"
+#include "common/network.h"
+#include "common/sha256.h"
+
+namespace metronome {
+namespace {
+
+std::vector<double> HeadStd(const Checkpoint& checkpoint) {
+  const NetworkShape shape = ShapeOf(checkpoint.config);
+  std::size_t at = ActorLayout(shape).log_std;
+  std::vector<double> std_of_head;
+  for (int head = 0; head < shape.heads; ++head) {
+    double sum = 0;
+    for (int i = 0; i < shape.action; ++i)
+      sum += std::exp(double{checkpoint.state.parameters[at++]});
+    std_of_head.push_back(sum / shape.action);
+  }
+  return std_of_head;
+}
+
+nlohmann::ordered_json Describe(const Checkpoint& checkpoint) {
+  const RunConfig& config = checkpoint.config;
+  const TrainState& state = checkpoint.state;
+  return {
+      {"version", state.version},
+      {"steps", state.steps},
+      {"weights_sha256", WeightsSha256(state.parameters)},
+      {"task", config.environment().task()},
+      {"method",
+       FieldText(config.policy(), *PolicyConfig::descriptor()->FindFieldByName("method"))},
+      {"heads", config.policy().heads()},
+      {"seed", config.seed()},
+      {"engine", checkpoint.engine},
+      {"build", checkpoint.build},
+      {"incarnation", checkpoint.incarnation},
+      {"episodes_used", state.episodes_used},
+      {"total_steps", config.total_steps()},
+      {"parameters", state.parameters.size()},
+      {"wall_seconds", checkpoint.logs.wall_seconds},
+      {"head_std", HeadStd(checkpoint)},
+  };
+}
+
+}  // namespace
+
+void PrintCheckpoint(const Checkpoint& checkpoint, std::ostream& out) {
+  const nlohmann::ordered_json description = Describe(checkpoint);
+  for (const auto& [name, value] : description.items()) {
+    out << std::left << std::setw(16) << name
+        << (value.is_string() ? value.get<std::string>() : value.dump()) << "\n";
+  }
+}
+
+void PrintCheckpointJson(const Checkpoint& checkpoint, std::ostream& out) {
+  out << Describe(checkpoint).dump() << "\n";
+}
+
+}  // namespace metronome

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <ostream>
+
+#include "common/checkpoint.h"
+
+namespace metronome {
+
+/// What a checkpoint holds, for people: one `name  value` a line.
+void PrintCheckpoint(const Checkpoint& checkpoint, std::ostream& out);
+
+/// The same as one JSON object on one line. Stable keys: version, steps, weights_sha256; further:
+/// task, method, heads, seed, engine, build, incarnation, episodes_used, parameters (their number),
+/// total_steps, wall_seconds and head_std ([k], mean of exp(log_std) over the action).
+void PrintCheckpointJson(const Checkpoint& checkpoint, std::ostream& out);
+
+}  // namespace metronome

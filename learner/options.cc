@@ -1,0 +1,238 @@
+#include "learner/options.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "common/build_info.h"
+#include "common/cli_parse.h"
+#include "common/config.h"
+#include "common/logging.h"
+#include "common/near_miss.h"
+#include "common/task_names.h"
+
+namespace metronome {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A dedicated option: a short name for one configuration field.
+struct FieldOption {
+  const char* name;
+  const char* path;
+  const char* value_name;
+  const char* help;
+};
+
+constexpr FieldOption kFieldOptions[] = {
+    {"--task", "environment.task", "T", "Meta-World task, also as T-v2 or T-v3: "},
+    {"--method", "policy.method", "M",
+     "multihead (k heads, time picks one), ppo (one head), ppo-time (one head that sees the time)"},
+    {"--heads", "policy.heads", "K",
+     "Heads of multihead, at most the horizon [default: 10; ppo and ppo-time have 1]"},
+    {"--steps", "total_steps", "S", "Environment steps in all, rounded up to whole updates"},
+    {"--seed", "seed", "N", "Key of every random stream"},
+    {"--horizon", "environment.horizon", "T", "Steps an episode, at most 500"},
+    {"--placements", "environment.placements", "P",
+     "Of object and goal: random (each episode its own), fixed (one, by seed), mt1 (the official "
+     "50)"},
+    {"--goal", "environment.goal_visible", "G",
+     "hidden or visible: whether observations show the goal [default: visible]"},
+    {"--domain", "runtime.domain", "N", "DDS domain, 0 to 232"},
+    {"--transport", "runtime.transport", "X", "udp or shm (shared memory)"},
+    {"--network", "runtime.network", "W",
+     "Who can join: loopback (this machine), lan, or the peers' addresses separated by commas"},
+    {"--threads", "runtime.learner_threads", "N", "Threads of an update; 0: all cores"},
+    {"--checkpoint-every", "runtime.checkpoint_every", "N", "Updates between checkpoints"},
+};
+
+/// What the shared options of `run` and `config` were given.
+struct ConfigArguments {
+  std::map<std::string, std::string> fields;  // option name -> text
+  std::vector<std::string> settings;          // of --set
+  std::string file;                           // of --config
+};
+
+struct RunArguments {
+  std::string run;
+  std::string runs_dir = "runs";
+  bool resume = false;
+  bool new_total = false;
+  std::string progress = "lines";
+  std::string log_level = "info";
+};
+
+std::string DefaultText(const std::string& wanted) {
+  std::string text;
+  VisitFields(Resolve(RunConfig()),
+              [&](const std::string& path, const auto& owner, const auto& field) {
+                if (path == wanted) text = FieldText(owner, field);
+              });
+  return text;
+}
+
+std::string HelpOf(const FieldOption& option) {
+  std::string help = option.help;
+  if (option.path == std::string("environment.task")) {
+    const auto& names = TaskNames();
+    for (std::size_t i = 0; i < names.size(); ++i) help += (i ? ", " : "") + names[i];
+    return help;
+  }
+  if (help.ends_with("]")) return help;
+  return help + " [default: " + DefaultText(option.path) + "]";
+}
+
+void AddConfigOptions(CLI::App& command, ConfigArguments& arguments) {
+  for (const FieldOption& option : kFieldOptions) {
+    command.add_option(option.name, arguments.fields[option.name], HelpOf(option))
+        ->type_name(option.value_name);
+  }
+  command
+      .add_option("--config", arguments.file,
+                  "Configuration file in Protobuf text format (fields: common/config.proto)")
+      ->type_name("FILE");
+  command
+      .add_option(
+          "--set", arguments.settings,
+          "One configuration field, e.g. ppo.learning_rate=3e-4 or policy.hidden=64,64; may "
+          "be repeated. Overrides --config; the options above override both")
+      ->type_name("A.B=C")
+      ->allow_extra_args(false);
+}
+
+void AddRunOptions(CLI::App& command, RunArguments& arguments) {
+  command.add_option("--run", arguments.run, "Name of the run: its folder, and what actors join")
+      ->type_name("NAME");
+  command
+      .add_option("--runs-dir,--runs", arguments.runs_dir,
+                  "Folder of all runs [default: " + arguments.runs_dir + "]")
+      ->type_name("DIR");
+  command.add_flag("--resume", arguments.resume,
+                   "Go on from the run's newest checkpoint, with its own configuration");
+  command.add_flag("--new-total", arguments.new_total,
+                   "With --resume: let --steps differ (the learning rate depends on it)");
+  command
+      .add_option("--progress", arguments.progress,
+                  "On standard output: lines, json or none [default: " + arguments.progress + "]")
+      ->type_name("X");
+  command
+      .add_option("--log-level", arguments.log_level,
+                  "On standard error: trace, debug, info, warning, error, critical or off "
+                  "[default: " +
+                      arguments.log_level + "]")
+      ->type_name("X");
+}
+
+/// --goal speaks in words, its field is a truth value.
+std::string FieldValue(const FieldOption& option, const std::string& text) {
+  if (option.name != std::string("--goal")) return text;
+  if (text == "visible") return "true";
+  if (text == "hidden") return "false";
+  throw ConfigError("--goal: " + UnknownName("value", text, {"visible", "hidden"}));
+}
+
+RunConfig BuildConfig(ConfigDraft draft, const CLI::App& command,
+                      const ConfigArguments& arguments) {
+  if (!arguments.file.empty()) draft.ReadFile(arguments.file);
+  for (const std::string& setting : arguments.settings) draft.SetFromArgument(setting);
+  for (const FieldOption& option : kFieldOptions) {
+    if (command.get_option(option.name)->count() == 0) continue;
+    draft.Set(option.path, FieldValue(option, arguments.fields.at(option.name)), option.name);
+  }
+  return draft.Finish();
+}
+
+ProgressStyle ProgressOf(const std::string& word) {
+  const std::map<std::string, ProgressStyle> styles = {{"lines", ProgressStyle::kLines},
+                                                       {"json", ProgressStyle::kJson},
+                                                       {"none", ProgressStyle::kNone}};
+  const auto found = styles.find(word);
+  if (found != styles.end()) return found->second;
+  throw ConfigError("--progress: " + UnknownName("value", word, {"lines", "json", "none"}));
+}
+
+RunConfig ResumedConfig(const RunArguments& run, const std::string& folder, const CLI::App& command,
+                        const ConfigArguments& arguments) {
+  const std::string path = ConfigPathOf(folder);
+  if (!fs::exists(path)) {
+    throw ConfigError("no run to resume: there is no " + path +
+                      " (--runs-dir names the folder of "
+                      "all runs)");
+  }
+  const RunConfig old_config = Resolve(ParseConfigFile(path).config);
+  const RunConfig config = BuildConfig(ConfigDraft(old_config), command, arguments);
+  const auto differences = CompareForResume(old_config, config, run.new_total);
+  if (differences.empty()) return config;
+  std::string message = "cannot resume run " + run.run + " with another configuration:";
+  for (const auto& difference : differences) message += "\n  " + difference;
+  throw ConfigError(message);
+}
+
+RunOptions BuildRun(const RunArguments& run, const CLI::App& command,
+                    const ConfigArguments& arguments) {
+  if (run.run.empty()) throw ConfigError("--run NAME is needed: it names the run's folder");
+  CheckRunName(run.run);
+  if (run.new_total && !run.resume) throw ConfigError("--new-total is for --resume only");
+  RunOptions options;
+  options.run = run.run;
+  options.folder = (fs::path(run.runs_dir) / run.run).string();
+  options.resume = run.resume;
+  options.progress = ProgressOf(run.progress);
+  options.log_level = run.log_level;
+  const auto levels = LogLevels();
+  if (std::find(levels.begin(), levels.end(), run.log_level) == levels.end()) {
+    throw ConfigError("--log-level: " + UnknownName("value", run.log_level, levels));
+  }
+  if (run.resume) {
+    options.config = ResumedConfig(run, options.folder, command, arguments);
+    return options;
+  }
+  options.config = BuildConfig(ConfigDraft(), command, arguments);
+  if (fs::exists(ConfigPathOf(options.folder)) ||
+      fs::exists(fs::path(options.folder) / "checkpoints")) {
+    throw ConfigError("run " + run.run + " exists (" + options.folder +
+                      "): --resume goes on with it; choose another --run for a new one");
+  }
+  return options;
+}
+
+}  // namespace
+
+std::string ConfigPathOf(const std::string& run_folder) {
+  return (fs::path(run_folder) / "config.textproto").string();
+}
+
+std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* const* argv) {
+  CLI::App app("Learns a task from the episodes of actors (metronome-actor run --run NAME).",
+               "metronome-learner");
+  app.set_version_flag("--version", BuildIdentity() + ", " + EngineName());
+  ConfigArguments arguments, print_arguments;
+  RunArguments run;
+  InspectOptions inspect;
+
+  CLI::App* run_command = app.add_subcommand("run", "Start a run, or go on with one (--resume)");
+  AddRunOptions(*run_command, run);
+  AddConfigOptions(*run_command, arguments);
+  CLI::App* inspect_command = app.add_subcommand("inspect", "Show what a checkpoint holds");
+  inspect_command->add_option("CHECKPOINT", inspect.checkpoint, "The file")->type_name("");
+  inspect_command->add_flag("--json", inspect.json, "As one JSON object");
+  CLI::App* config_command =
+      app.add_subcommand("config", "Print the whole configuration that run would use");
+  AddConfigOptions(*config_command, print_arguments);
+
+  if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
+  const CLI::App& given = *app.get_subcommands().front();
+  try {
+    if (&given == run_command) return BuildRun(run, given, arguments);
+    if (&given == config_command) {
+      return PrintConfigOptions{BuildConfig(ConfigDraft(), given, print_arguments)};
+    }
+    if (inspect.checkpoint.empty()) throw ConfigError("name the CHECKPOINT file to inspect");
+    return inspect;
+  } catch (const ConfigError& error) {
+    return UsageError(app.get_name() + " " + given.get_name(), error.what());
+  }
+}
+
+}  // namespace metronome

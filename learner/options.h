@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "common/config.pb.h"
+
+/// The command line of metronome-learner.
+namespace metronome {
+
+enum class ProgressStyle { kLines, kJson, kNone };
+
+/// `run`: everything checked, nothing started.
+struct RunOptions {
+  std::string run;     // its name: folder and DDS partition
+  std::string folder;  // RUNS_DIR/NAME; may not exist yet
+  bool resume = false;
+  RunConfig config;  // resolved and valid; with `resume` the run's own, runtime as asked for
+  ProgressStyle progress = ProgressStyle::kLines;
+  std::string log_level;
+};
+
+/// `inspect`.
+struct InspectOptions {
+  std::string checkpoint;
+  bool json = false;
+};
+
+/// `config`: print the configuration that `run` would use.
+struct PrintConfigOptions {
+  RunConfig config;
+};
+
+using LearnerCommand = std::variant<RunOptions, InspectOptions, PrintConfigOptions>;
+
+/// Reads configuration files and, with --resume, the run's own. Prints help and errors itself.
+/// @return the command, or the exit status to end with: 0 after help, 2 after a usage error, among
+///         them a run that exists (without --resume) or does not (with it), and a difference that
+///         forbids resuming.
+std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* const* argv);
+
+/// RUN_FOLDER/config.textproto, the resolved configuration of a run.
+std::string ConfigPathOf(const std::string& run_folder);
+
+}  // namespace metronome

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace metronome {
+
+/// A log file of whole records: what is in it can always be read, whatever went wrong before.
+/// Not thread-safe.
+class RecordFile {
+ public:
+  /// @return length of the longest prefix of `content` that is whole records.
+  using WholePrefix = std::function<std::size_t(std::string_view content)>;
+
+  /// Opens the file, or makes it, and cuts it back to `keep_bytes`. A file that is shorter, missing
+  /// or ends amid a record is said so in a warning and kept as far as it is whole.
+  /// @throws std::system_error if the file cannot be opened, read or cut.
+  RecordFile(std::string path, std::uint64_t keep_bytes, const WholePrefix& whole_prefix);
+  ~RecordFile();
+  RecordFile(const RecordFile&) = delete;
+  RecordFile& operator=(const RecordFile&) = delete;
+
+  /// Hands one record to the operating system. If that fails (disk full, say) an error is logged,
+  /// the part that was written is cut off again, and later records are tried as usual: a lost log
+  /// line does not end a run. @return false then.
+  bool Append(std::string_view record);
+
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+
+ private:
+  void CutTo(std::uint64_t bytes);
+
+  std::string path_;
+  int fd_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace metronome
