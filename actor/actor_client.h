@@ -23,7 +23,7 @@ struct ActorClientOptions {
   bool stay = false;         // serve the next run of this name too
   /// How long without a learner, at the start or later; std::nullopt: for ever.
   std::optional<std::chrono::milliseconds> patience = std::chrono::seconds(60);
-  std::chrono::milliseconds notice_every = std::chrono::seconds(5);  // while there is no learner
+  std::chrono::milliseconds notice_every = std::chrono::seconds(3);  // while there is no learner
   std::chrono::milliseconds status_every = std::chrono::seconds(1);
   // Who this is, for the learner.
   std::uint64_t actor_id = 0;

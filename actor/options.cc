@@ -6,6 +6,7 @@
 
 #include "common/build_info.h"
 #include "common/cli_parse.h"
+#include "common/config.h"
 #include "common/logging.h"
 #include "common/near_miss.h"
 #include "common/task_names.h"
@@ -143,6 +144,7 @@ void AddEvaluate(CLI::App& app, Typed& typed) {
 RunOptions Judge(Typed typed) {
   typed.run.bus.transport = ParseTransport(typed.transport);
   typed.run.bus.network = ParseNetwork(typed.network);
+  CheckRunName(typed.run.bus.run_name);
   CheckBusOptions(typed.run.bus);
   return typed.run;
 }
