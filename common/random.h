@@ -8,7 +8,12 @@ namespace metronome {
 
 /// What a random number is for. Streams of different purposes never meet.
 /// The values are part of the promise of bit-equality: never renumber.
-enum class RandomPurpose : std::uint64_t { kTrain = 1, kEvaluate = 2, kInitialise = 3, kShuffle = 4 };
+enum class RandomPurpose : std::uint64_t {
+  kTrain = 1,
+  kEvaluate = 2,
+  kInitialise = 3,
+  kShuffle = 4
+};
 
 /// Which draw inside a train or evaluate episode; see RandomStream's `t`.
 /// Steps use t = 0..T-1, so the marker lies far outside them.
@@ -28,7 +33,8 @@ class RandomStream {
   double Uniform();
   /// Standard normal, by the Box-Muller transform in double precision (two uniforms a pair).
   double Normal();
-  /// Uniform integer in [0, bound), without modulo bias. @throws std::invalid_argument if bound is 0.
+  /// Uniform integer in [0, bound), without modulo bias. @throws std::invalid_argument if bound is
+  /// 0.
   std::uint64_t Below(std::uint64_t bound);
 
  private:
