@@ -54,16 +54,18 @@ class Table {
     for (const std::string_view name : Split(names)) names_.emplace_back(name);
   }
 
+  [[nodiscard]] std::optional<std::size_t> Column(const std::string& name) const {
+    const auto found = std::find(names_.begin(), names_.end(), name);
+    if (found == names_.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - names_.begin());
+  }
+
   /// Columns PREFIX0, PREFIX1, ... as far as there are; at least `least`.
   [[nodiscard]] std::vector<std::size_t> Columns(const std::string& prefix,
                                                  std::size_t least = 1) const {
     std::vector<std::size_t> columns;
-    for (;;) {
-      const std::string name = prefix + std::to_string(columns.size());
-      const auto found = std::find(names_.begin(), names_.end(), name);
-      if (found == names_.end()) break;
-      columns.push_back(static_cast<std::size_t>(found - names_.begin()));
-    }
+    while (const auto column = Column(prefix + std::to_string(columns.size())))
+      columns.push_back(*column);
     if (columns.size() < least)
       throw std::invalid_argument("has no column " + prefix + std::to_string(columns.size()));
     return columns;
@@ -125,6 +127,30 @@ std::map<std::string, Numbers> Internals(const Json& json) {
   return internals;
 }
 
+/// The columns of what step() gave; none of them matters to a replay, so a file may lack them.
+class ReturnedColumns {
+ public:
+  explicit ReturnedColumns(const Table& table) : observation_(table.Columns("obs", 0)) {
+    for (const char* name : {"reward", "success", "near_object", "grasp_success", "grasp_reward",
+                             "in_place_reward", "obj_to_target", "truncated"})
+      if (const auto column = table.Column(name)) scalars_.push_back(*column);
+  }
+
+  [[nodiscard]] std::optional<metaworld::StepResult> Read(const Numbers& row) const {
+    if (observation_.size() != kObservationSize || scalars_.size() != 8) return std::nullopt;
+    metaworld::StepResult result;
+    const Numbers observation = Pick(row, observation_), scalars = Pick(row, scalars_);
+    std::copy(observation.begin(), observation.end(), result.observation.begin());
+    result.reward = scalars[0];
+    result.info = {scalars[1] != 0, scalars[2], scalars[3], scalars[4], scalars[5], scalars[6]};
+    result.truncated = scalars[7] != 0;
+    return result;
+  }
+
+ private:
+  std::vector<std::size_t> observation_, scalars_;
+};
+
 /// @return the number of steps that the header promises.
 std::size_t ReadHeader(std::string_view line, Recording& recording) {
   if (!line.starts_with("# "))
@@ -149,6 +175,7 @@ void ReadSteps(std::istream& lines, std::size_t promised, Recording& recording) 
              mocap_pos = table.Columns("mocap_pos"), mocap_quat = table.Columns("mocap_quat"),
              ctrl = table.Columns("ctrl"), warm = table.Columns("warm"),
              action = table.Columns("action", kActionSize);
+  const ReturnedColumns returned(table);
   while (std::getline(lines, line)) {
     const Numbers row = table.Row(line, recording.steps.size() + 1);
     RecordedStep step;
@@ -156,6 +183,7 @@ void ReadSteps(std::istream& lines, std::size_t promised, Recording& recording) 
       step.action[i] = static_cast<float>(row[action[i]]);
     step.state = {Pick(row, qpos),       Pick(row, qvel), Pick(row, mocap_pos),
                   Pick(row, mocap_quat), Pick(row, ctrl), Pick(row, warm)};
+    step.returned = returned.Read(row);
     recording.steps.push_back(std::move(step));
   }
   const std::size_t steps = recording.steps.size();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@ namespace metronome {
 struct RecordedStep {
   metaworld::Action action{};
   metaworld::RecordedState state;
+  std::optional<metaworld::StepResult> returned;  // what step() gave, where the file tells
 };
 
 /// An episode of the official environment, as its recorder writes it: a `# ` line of JSON, a line

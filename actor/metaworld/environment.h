@@ -45,7 +45,8 @@ class Environment {
   /// Starts an episode at `placement`, which rules it wholly (the official package's frozen
   /// rand_vec semantics). @return the first observation, unclipped as the official one is.
   virtual Observation Reset(const RandVec& placement) = 0;
-  /// Five physics substeps under `action`. @throws std::logic_error past step 500 or before Reset.
+  /// Five physics substeps under `action`. @throws std::logic_error past step 500 or before Reset,
+  /// std::invalid_argument if a component is not finite.
   virtual StepResult Step(const Action& action) = 0;
 };
 

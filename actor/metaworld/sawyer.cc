@@ -93,6 +93,9 @@ Observation SawyerEnvironment::FinishReset(const RandVec& placement) {
 StepResult SawyerEnvironment::Step(const Action& action) {
   if (steps_ >= kMaxSteps)
     throw std::logic_error("Environment::Step past step 500 or before Reset: call Reset first");
+  for (const float component : action)
+    if (!std::isfinite(component))
+      throw std::invalid_argument("Environment::Step: an action component is not finite");
   MoveMocap(action);
   data_->ctrl[0] = action[3];
   data_->ctrl[1] = -action[3];

@@ -1,0 +1,113 @@
+#include "actor/metaworld/placement.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+#include "common/number_text.h"
+#include "common/task_names.h"
+
+namespace metronome::metaworld {
+namespace {
+
+// tests/fixtures/mt1_placements.csv: the official package's, task and seed to 50 vectors.
+std::map<std::pair<std::string, std::uint32_t>, std::vector<RandVec>> OfficialPlacements() {
+  std::map<std::pair<std::string, std::uint32_t>, std::vector<RandVec>> placements;
+  std::ifstream file(METRONOME_FIXTURES "/mt1_placements.csv");
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    std::istringstream fields(line);
+    std::string task, seed, field;
+    std::getline(fields, task, ',');
+    std::getline(fields, seed, ',');
+    std::getline(fields, field, ',');  // index
+    RandVec placement{};
+    for (double& number : placement) {
+      std::getline(fields, field, ',');
+      number = ParseNumber<double>(field).value();
+    }
+    placements[{task, ParseNumber<std::uint32_t>(seed).value()}].push_back(placement);
+  }
+  return placements;
+}
+
+TEST(PlacementTest, Mt1EqualsTheOfficialBenchmarkNumberForNumber) {
+  const auto official = OfficialPlacements();
+  ASSERT_EQ(official.size(), 12U);
+  for (const auto& [key, want] : official) {
+    SCOPED_TRACE(key.first + ", seed " + std::to_string(key.second));
+    EXPECT_EQ(Mt1Placements(FindTask(key.first), key.second), want);
+  }
+}
+
+double PlanarDistance(const RandVec& p) { return std::hypot(p[0] - p[3], p[1] - p[4]); }
+
+TEST(PlacementTest, DrawsFillTheBoxAndKeepTheLeastDistance) {
+  for (const TaskSpec& task : AllTasks()) {
+    SCOPED_TRACE(task.name);
+    RandVec least = task.high, most = task.low;
+    for (std::uint64_t number = 0; number < 2000; ++number) {
+      RandomStream stream(RandomPurpose::kTrain, 3, number, kPlacementDraw);
+      const RandVec p = DrawPlacement(task, stream);
+      EXPECT_GE(PlanarDistance(p), task.min_planar_distance);
+      for (std::size_t i = 0; i < p.size(); ++i) {
+        EXPECT_GE(p[i], task.low[i]);
+        EXPECT_LE(p[i], task.high[i]);
+        least[i] = std::min(least[i], p[i]);
+        most[i] = std::max(most[i], p[i]);
+      }
+    }
+    for (std::size_t i = 0; i < least.size(); ++i) {
+      const double slack = 0.2 * (task.high[i] - task.low[i]);  // rejection thins some edges
+      EXPECT_LE(least[i], task.low[i] + slack) << "component " << i;
+      EXPECT_GE(most[i], task.high[i] - slack) << "component " << i;
+    }
+  }
+}
+
+TEST(PlacementTest, ADrawIsAFunctionOfItsStream) {
+  const TaskSpec& task = FindTask("push");
+  const auto draw = [&task](std::uint64_t seed, std::uint64_t number) {
+    RandomStream stream(RandomPurpose::kTrain, seed, number, kPlacementDraw);
+    return DrawPlacement(task, stream);
+  };
+  EXPECT_EQ(draw(1, 5), draw(1, 5));
+  EXPECT_NE(draw(1, 5), draw(1, 6));
+  EXPECT_NE(draw(1, 5), draw(2, 5));
+}
+
+TEST(TaskTableTest, HasTheNamesThatLearnersKnow) {
+  std::vector<std::string> names;
+  for (const TaskSpec& task : AllTasks()) names.push_back(task.name);
+  EXPECT_EQ(names, TaskNames());
+}
+
+TEST(TaskTableTest, VersionSuffixesNameTheSameTask) {
+  for (const TaskSpec& task : AllTasks())
+    for (const char* suffix : {"", "-v2", "-v3"})
+      EXPECT_EQ(&FindTask(task.name + suffix), &task) << suffix;
+}
+
+TEST(TaskTableTest, AnUnknownTaskIsRefusedWithTheNearMissAndTheList) {
+  try {
+    FindTask("pussh");
+    FAIL() << "no exception";
+  } catch (const std::invalid_argument& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("pussh"), std::string::npos) << message;
+    EXPECT_NE(message.find("did you mean \"push\""), std::string::npos) << message;
+    for (const TaskSpec& task : AllTasks())
+      EXPECT_NE(message.find(task.name), std::string::npos) << message;
+  }
+  EXPECT_THROW(FindTask("push-v4"), std::invalid_argument);
+  EXPECT_THROW(FindTask(""), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace metronome::metaworld
