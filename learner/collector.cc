@@ -1,0 +1,184 @@
+#include "learner/collector.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace metronome {
+namespace {
+
+constexpr std::size_t kMaxNumbersPerOrder = 1024;  // idl/metronome.idl
+constexpr std::size_t kMaxRefusals = 4096;         // remembered; whoever floods us is forgotten
+constexpr std::size_t kSnapshotsKept = 2;
+
+}  // namespace
+
+Collector::Collector(LearnerBus& bus, const Learning& learning, const RunDescription& description,
+                     const OrderRules& rules, const std::string& digest)
+    : bus_(bus),
+      learning_(learning),
+      incarnation_(description.incarnation),
+      episodes_per_update_(rules.episodes_per_update),
+      admission_(description, digest),
+      ledger_(rules),
+      batches_(rules.episodes_per_update, rules.updates_total, rules.first_version) {}
+
+void Collector::OnStatus(const ActorStatus& status, TimePoint now) {
+  if (const auto refusal = refusals_.find(status.actor_id); refusal != refusals_.end()) {
+    SendRefusal(status.actor_id, refusal->second);
+    return;
+  }
+  const Admission::Decision decision = admission_.Judge(status);
+  if (decision.verdict == Admission::Verdict::kRefuse) RefuseActor(status, decision.reason, now);
+  if (decision.verdict != Admission::Verdict::kAdmit) return;
+  const std::string name = status.host + ":" + std::to_string(status.pid);
+  if (names_.insert_or_assign(status.actor_id, name).second) {
+    spdlog::info("actor {} joins with {} slot{}", name, status.slots, status.slots == 1 ? "" : "s");
+  }
+  ledger_.Join(status.actor_id, name, status.slots, now);
+  WarnOfManySlots();
+}
+
+void Collector::WarnOfManySlots() {
+  const std::uint64_t slots = ledger_.slots();
+  if (2 * slots <= episodes_per_update_ || slots <= slots_warned_of_) return;
+  slots_warned_of_ = slots;
+  spdlog::warn(
+      "{} slots for {} episodes an update: slots beyond half of that will often be idle; the wide "
+      "preset (deploy/wide.textproto) suits many machines",
+      slots, episodes_per_update_);
+}
+
+void Collector::RefuseActor(const ActorStatus& status, const std::string& reason, TimePoint now) {
+  const std::string text =
+      "learner refuses actor " + status.host + ":" + std::to_string(status.pid) + ": " + reason;
+  spdlog::error("{}", text);
+  ledger_.Refuse(status.actor_id, now);
+  if (refusals_.size() >= kMaxRefusals) refusals_.clear();
+  refusals_[status.actor_id] = text;
+  SendRefusal(status.actor_id, text);
+}
+
+void Collector::SendRefusal(std::uint64_t actor_id, const std::string& reason) {
+  EpisodeOrder order;
+  order.incarnation = incarnation_;
+  order.actor_id = actor_id;
+  order.kind = EpisodeOrder::Kind::kRefuse;
+  order.reason = reason;
+  bus_.Send(order);
+}
+
+void Collector::OnLost(std::uint64_t actor_id, TimePoint now) {
+  if (names_.contains(actor_id)) {
+    spdlog::info("actor {} is gone; what it had not brought is ordered again", NameOf(actor_id));
+  }
+  ledger_.Lose(actor_id, now);
+  names_.erase(actor_id);
+}
+
+void Collector::OnEpisode(EpisodeMessage message, TimePoint now) {
+  if (message.incarnation != incarnation_) {
+    ++stale_;
+    return;
+  }
+  const std::uint64_t number = message.episode.number;
+  switch (ledger_.StandingOf(number, message.actor_id)) {
+    case OrderLedger::Standing::kWanted:
+      ledger_.Arrive(number, message.actor_id, now);
+      SendOrders(now);  // first: the freed slot does not wait for the check
+      Judge(std::move(message.episode), message.actor_id, now);
+      return;
+    case OrderLedger::Standing::kDuplicate:
+      OnDuplicate(message.episode, message.actor_id, now);
+      return;
+    case OrderLedger::Standing::kNotOrdered:
+      Discard(message.actor_id, "episode " + std::to_string(number) + " was not ordered from it",
+              now);
+      return;
+  }
+}
+
+void Collector::Judge(Episode episode, std::uint64_t actor_id, TimePoint now) {
+  const std::uint64_t number = episode.number;
+  const PolicySnapshot& snapshot = snapshots_.at(ledger_.BehaviourVersion(number));
+  const std::optional<std::string> reason = learning_.Check(episode, snapshot);
+  if (!reason) {
+    ledger_.Accept(number, actor_id);
+    batches_.Put(std::move(episode));
+    return;
+  }
+  Complain("episode " + std::to_string(number) + " of " + NameOf(actor_id) +
+               " is dropped and ordered again: " + *reason,
+           now);
+  if (!ledger_.Reject(number, actor_id, *reason)) return;
+  ledger_.Refuse(actor_id, now);
+  const std::string text = "learner refuses actor " + NameOf(actor_id) +
+                           ": it keeps sending episodes that cannot be right, the last because " +
+                           *reason;
+  spdlog::error("{}", text);
+  refusals_[actor_id] = text;
+  SendRefusal(actor_id, text);
+}
+
+void Collector::OnDuplicate(const Episode& episode, std::uint64_t actor_id, TimePoint now) {
+  const Episode* kept = batches_.Find(episode.number);
+  const bool differs = kept != nullptr && !SameBits(*kept, episode);
+  ledger_.ArriveAgain(episode.number, actor_id, differs, now);
+  if (!differs) return;
+  Complain("episode " + std::to_string(episode.number) +
+               " came twice and the two differ: the one "
+               "of " +
+               NameOf(actor_id) + " is dropped, but one of the two machines computes wrongly",
+           now);
+}
+
+void Collector::OnBadSample(const BadSample& sample, TimePoint now) {
+  ledger_.Discard(0, sample.topic + ": " + sample.reason);
+  Complain("a sample of " + sample.topic + " is dropped: " + sample.reason, now);
+}
+
+void Collector::Discard(std::uint64_t actor_id, const std::string& reason, TimePoint now) {
+  ledger_.Discard(actor_id, reason);
+  Complain("a sample of " + NameOf(actor_id) + " is dropped: " + reason, now);
+}
+
+void Collector::Complain(const std::string& text, TimePoint now) {
+  if (!complaints_.Pass(now)) return;
+  const std::uint64_t withheld = complaints_.TakeWithheld();
+  spdlog::error("{}{}", text,
+                withheld > 0 ? " (and " + std::to_string(withheld) + " more complaints)" : "");
+}
+
+std::string Collector::NameOf(std::uint64_t actor_id) const {
+  const auto name = names_.find(actor_id);
+  return name != names_.end() ? name->second : "unknown actor " + std::to_string(actor_id);
+}
+
+void Collector::AddSnapshot(PolicySnapshot snapshot) {
+  const std::uint64_t version = snapshot.version;
+  snapshots_.insert_or_assign(version, std::move(snapshot));
+  while (snapshots_.size() > kSnapshotsKept) snapshots_.erase(snapshots_.begin());
+}
+
+void Collector::CountEntered(const std::vector<Episode>& batch) { batches_.CountEntered(batch); }
+
+std::optional<Collector::TimePoint> Collector::SendOrders(TimePoint now) {
+  for (const Assignment& assignment : ledger_.Plan(now)) {
+    EpisodeOrder order;
+    order.incarnation = incarnation_;
+    order.actor_id = assignment.actor_id;
+    order.weights_version = assignment.weights_version;
+    const auto& numbers = assignment.numbers;
+    for (std::size_t first = 0; first < numbers.size(); first += kMaxNumbersPerOrder) {
+      const std::size_t last = std::min(numbers.size(), first + kMaxNumbersPerOrder);
+      order.numbers.assign(numbers.begin() + std::ptrdiff_t(first),
+                           numbers.begin() + std::ptrdiff_t(last));
+      // Not connected: its next status brings it back, meanwhile others may play these.
+      if (!bus_.Send(order)) ledger_.Lose(assignment.actor_id, now);
+    }
+  }
+  return ledger_.NextDeadline(now);
+}
+
+}  // namespace metronome

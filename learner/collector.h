@@ -1,0 +1,82 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "common/bus.h"
+#include "common/messages.h"
+#include "learner/admission.h"
+#include "learner/batch_store.h"
+#include "learner/learning.h"
+#include "learner/log_limit.h"
+#include "learner/order_ledger.h"
+
+namespace metronome {
+
+/// Gathers the batches of a run: admits actors, orders episodes from them, checks what they bring.
+/// Not thread-safe; lives in the coordinator's thread. Bus errors pass through.
+class Collector {
+ public:
+  using TimePoint = Clock::time_point;
+
+  /// @param description  what the learner publishes.
+  /// @param digest       the checkpoint's canonical digest, empty at first.
+  Collector(LearnerBus& bus, const Learning& learning, const RunDescription& description,
+            const OrderRules& rules, const std::string& digest);
+
+  void OnStatus(const ActorStatus& status, TimePoint now);
+  void OnLost(std::uint64_t actor_id, TimePoint now);
+  void OnEpisode(EpisodeMessage message, TimePoint now);
+  void OnBadSample(const BadSample& sample, TimePoint now);
+
+  /// Weights that episodes may have been played under; the latest two versions are kept.
+  void AddSnapshot(PolicySnapshot snapshot);
+  /// Batch version - 1 has been learnt from.
+  void CountEntered(const std::vector<Episode>& batch);
+  void Publish(std::uint64_t version, TimePoint now) { ledger_.Publish(version, now); }
+
+  /// Sends what is due. @return when to call again even if nothing happens.
+  std::optional<TimePoint> SendOrders(TimePoint now);
+
+  [[nodiscard]] bool IsComplete(std::uint64_t batch) const { return ledger_.IsComplete(batch); }
+  BatchStore::Batch Take(std::uint64_t batch) { return batches_.Take(batch); }
+
+  [[nodiscard]] const std::string& digest() const { return admission_.digest(); }
+  [[nodiscard]] std::uint64_t actors() const { return ledger_.actors(); }
+  [[nodiscard]] std::uint64_t slots() const { return ledger_.slots(); }
+  [[nodiscard]] const LedgerCounts& counts() const { return ledger_.counts(); }
+  /// Samples for another start of the learner: dropped, answered by the new orders.
+  [[nodiscard]] std::uint64_t stale() const { return stale_; }
+  [[nodiscard]] BatchStore::Accounting Account() const { return batches_.Account(); }
+  double TakeIdleShare(TimePoint now) { return ledger_.TakeIdleShare(now); }
+
+ private:
+  void RefuseActor(const ActorStatus& status, const std::string& reason, TimePoint now);
+  void SendRefusal(std::uint64_t actor_id, const std::string& reason);
+  void Judge(Episode episode, std::uint64_t actor_id, TimePoint now);
+  void OnDuplicate(const Episode& episode, std::uint64_t actor_id, TimePoint now);
+  void Discard(std::uint64_t actor_id, const std::string& reason, TimePoint now);
+  void Complain(const std::string& text, TimePoint now);
+  void WarnOfManySlots();
+  [[nodiscard]] std::string NameOf(std::uint64_t actor_id) const;
+
+  LearnerBus& bus_;
+  const Learning& learning_;
+  std::uint64_t incarnation_;
+  std::uint64_t episodes_per_update_;
+  Admission admission_;
+  OrderLedger ledger_;
+  BatchStore batches_;
+  std::map<std::uint64_t, PolicySnapshot> snapshots_;  // by version
+  std::map<std::uint64_t, std::string> names_;         // of the actors that were admitted
+  std::map<std::uint64_t, std::string> refusals_;      // actor -> reason
+  LogLimit complaints_;
+  std::uint64_t stale_ = 0;
+  std::uint64_t slots_warned_of_ = 0;
+};
+
+}  // namespace metronome

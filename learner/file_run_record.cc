@@ -1,0 +1,55 @@
+#include "learner/file_run_record.h"
+
+#include <utility>
+
+#include "common/config.h"
+#include "common/files.h"
+#include "common/sha256.h"
+#include "learner/options.h"
+
+namespace metronome {
+
+FileRunRecord::FileRunRecord(std::string folder, Checkpoint first, ProgressPrinter printer)
+    : folder_(std::move(folder)), checkpoint_(std::move(first)), printer_(std::move(printer)) {}
+
+void FileRunRecord::Begin() {
+  WriteFileAtomically(ConfigPathOf(folder_), PrintConfig(checkpoint_.config));
+  store_.emplace(folder_ + "/checkpoints", checkpoint_.config.runtime().checkpoint_keep());
+  progress_.emplace(folder_ + "/progress.csv",
+                    static_cast<std::size_t>(checkpoint_.config.policy().heads()),
+                    checkpoint_.logs.progress_bytes);
+  events_.emplace(folder_ + "/" + TensorBoardLog::kFileName, checkpoint_.logs.events_bytes);
+}
+
+std::string FileRunRecord::Save(const TrainState& state) {
+  checkpoint_.state = state;
+  checkpoint_.logs.progress_bytes = progress_->bytes();
+  checkpoint_.logs.events_bytes = events_->bytes();
+  return store_->Save(checkpoint_);
+}
+
+std::string FileRunRecord::LatestCheckpoint() const {
+  return store_ ? store_->Latest().value_or("") : "";
+}
+
+void FileRunRecord::Started(const TrainState& state) {
+  printer_.Started(state.version, state.steps);
+}
+
+void FileRunRecord::Updated(const UpdateReport& report, const WallReport& wall) {
+  checkpoint_.logs.wall_seconds = wall.seconds;
+  const std::vector<Metric> metrics = MetricsOf(report, wall);
+  progress_->Append(metrics);
+  events_->Append(report.steps, metrics);
+  printer_.Updated(report, wall);
+}
+
+void FileRunRecord::Finished(const TrainState& state, const std::string& accounting) {
+  printer_.Finished(accounting, LatestCheckpoint(), WeightsSha256(state.parameters));
+}
+
+void FileRunRecord::Interrupted(const TrainState& state) {
+  printer_.Interrupted(state.version, LatestCheckpoint());
+}
+
+}  // namespace metronome

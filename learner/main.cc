@@ -1,0 +1,41 @@
+#include <exception>
+#include <iostream>
+#include <variant>
+
+#include "common/checkpoint.h"
+#include "common/config.h"
+#include "learner/exit_codes.h"
+#include "learner/inspect.h"
+#include "learner/options.h"
+#include "learner/serve.h"
+
+namespace metronome {
+namespace {
+
+int Execute(const RunOptions& options) { return ServeRun(options); }
+
+int Execute(const InspectOptions& options) {
+  try {
+    const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
+    (options.json ? PrintCheckpointJson : PrintCheckpoint)(checkpoint, std::cout);
+    return kExitFinished;
+  } catch (const std::exception& error) {
+    std::cerr << "metronome-learner inspect: " << error.what() << "\n";
+    return kExitFailure;
+  }
+}
+
+int Execute(const PrintConfigOptions& options) {
+  std::cout << PrintConfig(options.config);
+  return kExitFinished;
+}
+
+}  // namespace
+}  // namespace metronome
+
+int main(int argc, char** argv) {
+  const auto parsed = metronome::ParseLearnerCommand(argc, argv);
+  if (const int* status = std::get_if<int>(&parsed)) return *status;
+  return std::visit([](const auto& command) { return metronome::Execute(command); },
+                    std::get<metronome::LearnerCommand>(parsed));
+}

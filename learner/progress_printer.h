@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <ostream>
+#include <string>
+
+#include "learner/metrics.h"
+#include "learner/options.h"
+#include "learner/update_report.h"
+
+namespace metronome {
+
+/// Facts of a run that do not change while it is served.
+struct RunFacts {
+  std::string run;
+  std::string path;  // of its folder
+  std::uint64_t incarnation = 0;
+  std::uint64_t updates_total = 0;
+  std::uint64_t total_steps = 0;  // environment steps, whole updates
+  std::string network;            // how actors join: domain, transport, network
+  std::string transport;
+  std::uint32_t domain = 0;
+};
+
+/// What `run` says on standard output: lines for people, one JSON object a line for programs, or
+/// nothing. Each line is flushed. JSON keys are stable; see learner/README.md. Not thread-safe.
+class ProgressPrinter {
+ public:
+  ProgressPrinter(ProgressStyle style, RunFacts facts, std::ostream& out);
+
+  /// The run is accepted; `version` updates were made before.
+  void Started(std::uint64_t version, std::uint64_t steps);
+  void Updated(const UpdateReport& report, const WallReport& wall);
+  void Finished(const std::string& accounting, const std::string& checkpoint,
+                const std::string& weights_sha256);
+  void Interrupted(std::uint64_t version, const std::string& checkpoint);
+
+ private:
+  void Say(const std::string& line);
+
+  ProgressStyle style_;
+  RunFacts facts_;
+  std::ostream& out_;
+};
+
+}  // namespace metronome

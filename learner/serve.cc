@@ -1,0 +1,226 @@
+#include "learner/serve.h"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <exception>
+#include <iostream>
+#include <mutex>
+#include <random>
+#include <stdexcept>
+#include <thread>
+
+#include "common/build_info.h"
+#include "common/checkpoint.h"
+#include "common/config.h"
+#include "common/dds/dds_bus.h"
+#include "common/logging.h"
+#include "common/signal_watch.h"
+#include "learner/background.h"
+#include "learner/coordinator.h"
+#include "learner/exit_codes.h"
+#include "learner/file_run_record.h"
+#include "learner/run_folder.h"
+#include "learner/trainer_learning.h"
+
+namespace metronome {
+namespace {
+
+/// The run cannot be served as asked; exits 2.
+class Unusable : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Whom a signal stops, while there is someone. Thread-safe.
+class StopTarget {
+ public:
+  void Set(Coordinator* coordinator) {
+    const std::lock_guard lock(mutex_);
+    coordinator_ = coordinator;
+    if (coordinator_ != nullptr && signal_ != 0) coordinator_->RequestStop(signal_);
+  }
+  void Signal(int signal) {
+    const std::lock_guard lock(mutex_);
+    signal_ = signal;
+    if (coordinator_ != nullptr) coordinator_->RequestStop(signal);
+  }
+
+ private:
+  std::mutex mutex_;
+  Coordinator* coordinator_ = nullptr;
+  int signal_ = 0;
+};
+
+std::uint64_t RandomId() {
+  std::random_device device;
+  return (std::uint64_t{device()} << 32) | device();
+}
+
+std::string HostAndProcess() {
+  std::array<char, 256> host{};
+  if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '?';
+  return std::string("on ") + host.data() + ", process " + std::to_string(getpid());
+}
+
+BusOptions BusOptionsOf(const RunOptions& options) {
+  BusOptions bus;
+  bus.run_name = options.run;
+  bus.domain = options.config.runtime().domain();
+  bus.transport = ParseTransport(options.config.runtime().transport());
+  bus.network = ParseNetwork(options.config.runtime().network());
+  CheckBusOptions(bus);
+  return bus;
+}
+
+std::uint64_t StepsPerUpdate(const RunConfig& config) {
+  return static_cast<std::uint64_t>(config.collection().episodes_per_update()) *
+         static_cast<std::uint64_t>(config.environment().horizon());
+}
+
+std::uint64_t UpdatesTotal(const RunConfig& config) {
+  const std::uint64_t steps = StepsPerUpdate(config);
+  return config.total_steps() / steps + (config.total_steps() % steps == 0 ? 0 : 1);
+}
+
+/// What this process begins with: the run's newest checkpoint, or version 0.
+struct Start {
+  Checkpoint checkpoint;
+  bool resumed = false;
+};
+
+Start FreshStart(const RunConfig& config) {
+  Start start;
+  start.checkpoint.config = config;
+  start.checkpoint.engine = EngineName();
+  start.checkpoint.state = Trainer::InitialState(config);
+  return start;
+}
+
+Start StartOf(const RunOptions& options) {
+  if (!options.resume) return FreshStart(options.config);
+  const auto path =
+      CheckpointStore(options.folder + "/checkpoints", options.config.runtime().checkpoint_keep())
+          .Latest();
+  if (!path) {
+    // Killed before its first checkpoint, so before its first order: nothing is lost.
+    spdlog::info("run {} has no checkpoint yet: it begins at version 0", options.run);
+    return FreshStart(options.config);
+  }
+  Start start{LoadCheckpoint(*path), true};
+  if (start.checkpoint.engine != EngineName()) {
+    throw Unusable(*path + " was trained on " + start.checkpoint.engine +
+                   ", this learner is built "
+                   "for " +
+                   EngineName() + ": resume with a build for " + start.checkpoint.engine);
+  }
+  RequireShape(start.checkpoint, options.config, *path);
+  // The total may differ: options have compared it with the run's own file.
+  const auto differences = CompareForResume(start.checkpoint.config, options.config, true);
+  if (!differences.empty()) {
+    throw Unusable(*path + " belongs to another configuration: " + differences.front());
+  }
+  start.checkpoint.config = options.config;
+  spdlog::info("going on from {}", *path);
+  return start;
+}
+
+CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
+  const RunConfig& config = options.config;
+  CoordinatorSetup setup;
+  setup.description.learner_id = RandomId();
+  setup.description.incarnation = start.checkpoint.incarnation;
+  setup.description.run_name = options.run;
+  setup.description.engine = EngineName();
+  setup.description.build = BuildIdentity() + ", " + HostAndProcess();
+  setup.description.config = config.SerializeAsString();
+  setup.rules.episodes_per_update =
+      static_cast<std::uint64_t>(config.collection().episodes_per_update());
+  setup.rules.overlap = static_cast<std::uint64_t>(config.collection().overlap());
+  setup.rules.first_version = start.checkpoint.state.version;
+  setup.rules.updates_total = std::max(UpdatesTotal(config), setup.rules.first_version);
+  setup.seconds_before = start.checkpoint.logs.wall_seconds;
+  setup.checkpoint_every = static_cast<std::uint64_t>(config.runtime().checkpoint_every());
+  setup.resumed = start.resumed;
+  setup.how_to_join = "metronome-actor run --run " + options.run;
+  if (config.runtime().domain() != 0) {
+    setup.how_to_join += " --domain " + std::to_string(config.runtime().domain());
+  }
+  if (config.runtime().transport() != "udp") {
+    setup.how_to_join += " --transport " + config.runtime().transport();
+  }
+  if (config.runtime().network() != "loopback") {
+    setup.how_to_join += " --network " + config.runtime().network();
+  }
+  return setup;
+}
+
+RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
+  RunFacts facts;
+  facts.run = options.run;
+  facts.path = options.folder;
+  facts.incarnation = setup.description.incarnation;
+  facts.updates_total = setup.rules.updates_total;
+  facts.total_steps = setup.rules.updates_total * StepsPerUpdate(options.config);
+  facts.domain = options.config.runtime().domain();
+  facts.transport = options.config.runtime().transport();
+  facts.network = options.config.runtime().network();
+  return facts;
+}
+
+int ThreadsOf(const RunConfig& config) {
+  const int wanted = config.runtime().learner_threads();
+  return wanted > 0 ? wanted : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
+int Serve(const RunOptions& options, StopTarget& target) {
+  const BusOptions bus_options = BusOptionsOf(options);
+  RunFolder folder(options.folder);
+  Start start = StartOf(options);
+  TrainerLearning learning(options.config, start.checkpoint.state, ThreadsOf(options.config));
+  start.checkpoint.incarnation = folder.NextIncarnation(start.checkpoint.incarnation);
+  start.checkpoint.build = BuildIdentity();
+  const CoordinatorSetup setup = SetupOf(options, start);
+  FileRunRecord record(options.folder, std::move(start.checkpoint),
+                       ProgressPrinter(options.progress, FactsOf(options, setup), std::cout));
+  const auto bus = MakeDdsLearnerBus(bus_options);
+  BackgroundThread background("update");
+  Coordinator coordinator(setup, *bus, learning, record, background);
+  target.Set(&coordinator);
+  const auto clear = [&target](Coordinator*) { target.Set(nullptr); };
+  const std::unique_ptr<Coordinator, decltype(clear)> set(&coordinator, clear);
+  const int code = coordinator.Run();
+  if (code == kExitRival && !options.resume) folder.RemoveIfUnused();
+  return code;
+}
+
+}  // namespace
+
+int ServeRun(const RunOptions& options) {
+  SetUpLogging("learner", options.log_level);
+  // Whoever reads our output may leave; the run goes on.
+  std::signal(SIGPIPE, SIG_IGN);
+  StopTarget target;
+  // Before the bus and the trainer, whose threads must inherit the blocked signals.
+  const SignalWatch signals([&target](int signal) { target.Signal(signal); });
+  try {
+    return Serve(options, target);
+  } catch (const RunFolderBusy& error) {
+    spdlog::error("{}", error.what());
+    return kExitRival;
+  } catch (const Unusable& error) {
+    spdlog::error("{}", error.what());
+    return kExitUsage;
+  } catch (const std::invalid_argument& error) {
+    spdlog::error("{}", error.what());
+    return kExitUsage;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return kExitFailure;
+  }
+}
+
+}  // namespace metronome

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <utility>
+
+#include "common/snapshot.h"
+#include "learner/episode_check.h"
+#include "learner/learning.h"
+#include "learner/trainer.h"
+
+namespace metronome {
+
+/// The real thing behind the coordinator's seam: multi-head PPO and the check of episodes.
+class TrainerLearning final : public Learning {
+ public:
+  TrainerLearning(const RunConfig& config, TrainState state, int threads)
+      : config_(config), trainer_(config, std::move(state), threads) {}
+
+  [[nodiscard]] const TrainState& state() const override { return trainer_.state(); }
+  UpdateReport Update(const std::vector<Episode>& batch) override { return trainer_.Update(batch); }
+  [[nodiscard]] PolicySnapshot Snapshot(const TrainState& state) const override {
+    return SnapshotOf(state, config_);
+  }
+  [[nodiscard]] PolicySnapshot PreviousSnapshot(const TrainState& state) const override {
+    return PreviousSnapshotOf(state, config_);
+  }
+  [[nodiscard]] std::optional<std::string> Check(const Episode& episode,
+                                                 const PolicySnapshot& snapshot) const override {
+    return CheckEpisode(episode, snapshot, config_);
+  }
+
+ private:
+  RunConfig config_;
+  Trainer trainer_;
+};
+
+}  // namespace metronome
