@@ -48,7 +48,7 @@ CheckpointStore::CheckpointStore(std::string folder, int keep)
 
 std::string CheckpointStore::Save(const Checkpoint& checkpoint) {
   const std::string name = FileName(checkpoint.state.version);
-  const std::string path = (fs::path(folder_) / name).string();
+  std::string path = (fs::path(folder_) / name).string();
   WriteFileAtomically(path, EncodeCheckpoint(checkpoint));
   ReplaceSymlink((fs::path(folder_) / kLatest).string(), name);
   Prune();

@@ -48,11 +48,7 @@ std::optional<std::string> Complaint(const CLI::App& app, const CLI::App* comman
   if (command == nullptr) {
     const auto left = app.remaining();
     const auto commands = CommandNames(app);
-    if (left.empty()) {
-      std::string list;
-      for (const auto& name : commands) list += (list.empty() ? "" : ", ") + name;
-      return "name a command: " + list;
-    }
+    if (left.empty()) return "name a command: " + JoinNames(commands);
     if (left.front().starts_with('-')) return ExplainExtra(app, left.front());
     return UnknownName("command", left.front(), commands);
   }

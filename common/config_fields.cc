@@ -137,11 +137,9 @@ const FieldDescriptor& FindStep(const Message& owner, const std::string& path, s
   }
   const bool last = end == path.size();
   if (IsMessage(*field) && last) {
-    std::string members;
-    for (const auto& member : FieldNames(*field->message_type())) {
-      members += (members.empty() ? "" : ", ") + path + "." + member;
-    }
-    throw ConfigError(path + " is a group of settings: name one of " + members);
+    std::vector<std::string> members = FieldNames(*field->message_type());
+    for (std::string& member : members) member.insert(0, path + ".");
+    throw ConfigError(path + " is a group of settings: name one of " + JoinNames(members));
   }
   if (!IsMessage(*field) && !last) {
     throw ConfigError(path + ": " + path.substr(0, end) + " is one setting, nothing lies in it");
@@ -158,12 +156,14 @@ void CopyLeaf(Message& to, const Message& from, const FieldDescriptor& field) {
 
 std::vector<std::string> FieldNames(const Descriptor& message) {
   std::vector<std::string> names;
+  names.reserve(static_cast<std::size_t>(message.field_count()));
   for (int i = 0; i < message.field_count(); ++i) names.push_back(message.field(i)->name());
   return names;
 }
 
 std::vector<std::string> EnumWords(const EnumDescriptor& type) {
   std::vector<std::string> words;
+  words.reserve(static_cast<std::size_t>(type.value_count()));
   for (int i = 0; i < type.value_count(); ++i) words.push_back(Word(*type.value(i)));
   return words;
 }

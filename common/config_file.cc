@@ -84,6 +84,7 @@ struct Owner {
 std::vector<Owner> Groups() {
   std::vector<Owner> groups = {{RunConfig::descriptor(), ""}};
   const Descriptor& root = *RunConfig::descriptor();
+  groups.reserve(1 + static_cast<std::size_t>(root.field_count()));
   for (int i = 0; i < root.field_count(); ++i) {
     if (const auto* type = root.field(i)->message_type()) {
       groups.push_back({type, root.field(i)->name() + "."});
@@ -108,6 +109,7 @@ std::string UnknownEnumMessage(const std::string& value, const std::string& fiel
     const FieldDescriptor* field = group.type->FindFieldByName(field_name);
     if (!field || !field->enum_type()) continue;
     std::vector<std::string> known;
+    known.reserve(static_cast<std::size_t>(field->enum_type()->value_count()));
     for (int i = 0; i < field->enum_type()->value_count(); ++i) {
       known.push_back(field->enum_type()->value(i)->name());
     }

@@ -116,9 +116,7 @@ void CheckRanges(const RunConfig& config, Complaints& complaints) {
 void CheckEnvironment(const RunConfig& config, Complaints& complaints) {
   const auto& environment = config.environment();
   if (!environment.has_task()) {
-    std::string known;
-    for (const auto& name : TaskNames()) known += (known.empty() ? "" : ", ") + name;
-    complaints.Add("environment.task", "is not set: choose one of " + known);
+    complaints.Add("environment.task", "is not set: choose one of " + JoinNames(TaskNames()));
   } else {
     try {
       CanonicalTaskName(environment.task());

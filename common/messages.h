@@ -19,9 +19,9 @@ struct RunDescription {
   std::uint64_t learner_id = 0;   // random per process; ties between learners go to the lower
   std::uint64_t incarnation = 0;  // a counter in the run's folder, grows at each start
   std::string run_name;
-  std::string engine;  // e.g. "mujoco-2.2.2"
-  std::string build;   // build identity of the learner
-  std::string config;  // serialised RunConfig (resolved)
+  std::string engine;     // e.g. "mujoco-2.2.2"
+  std::string build;      // build identity of the learner
+  std::string config;     // serialised RunConfig (resolved)
   bool serving = false;   // false while a starting learner still looks for rivals
   bool finished = false;  // actors end with exit 0 (unless --stay)
   bool operator==(const RunDescription&) const = default;
@@ -43,9 +43,9 @@ struct EpisodeOrder {
   std::uint64_t incarnation = 0;
   std::uint64_t actor_id = 0;
   Kind kind = Kind::kRun;
-  std::uint64_t weights_version = 0;     // of kRun
-  std::vector<std::uint64_t> numbers;    // of kRun, in the order to play them
-  std::string reason;                    // of kRefuse: shown to the user, actor exits non-zero
+  std::uint64_t weights_version = 0;   // of kRun
+  std::vector<std::uint64_t> numbers;  // of kRun, in the order to play them
+  std::string reason;                  // of kRefuse: shown to the user, actor exits non-zero
   bool operator==(const EpisodeOrder&) const = default;
 };
 
@@ -68,7 +68,7 @@ struct ActorStatus {
   std::string canonical_digest;  // hex SHA-256 of a canonical episode of the run's task
   std::uint32_t slots = 0;       // episodes it plays at once
   std::uint64_t episodes_done = 0;
-  double steps_per_second = 0;   // wall-clock: shown, never used
+  double steps_per_second = 0;  // wall-clock: shown, never used
   bool operator==(const ActorStatus&) const = default;
 };
 

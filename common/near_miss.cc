@@ -67,6 +67,15 @@ std::optional<std::string> NearMiss(std::string_view name,
   return best ? best : OnlyPart(name, candidates);
 }
 
+std::string JoinNames(const std::vector<std::string>& names) {
+  std::string joined;
+  for (const std::string& name : names) {
+    if (!joined.empty()) joined += ", ";
+    joined += name;
+  }
+  return joined;
+}
+
 std::string UnknownName(std::string_view kind, std::string_view name,
                         const std::vector<std::string>& candidates) {
   return UnknownName(kind, name, candidates, NearMiss(name, candidates));
@@ -77,8 +86,7 @@ std::string UnknownName(std::string_view kind, std::string_view name,
                         const std::optional<std::string>& near) {
   std::string message = "unknown " + std::string(kind) + " \"" + std::string(name) + "\"";
   message += near ? "; did you mean \"" + *near + "\"? Known: " : ". Known: ";
-  for (std::size_t i = 0; i < candidates.size(); ++i) message += (i ? ", " : "") + candidates[i];
-  return message;
+  return message + JoinNames(candidates);
 }
 
 }  // namespace metronome

@@ -18,6 +18,9 @@ std::size_t EditDistance(std::string_view a, std::string_view b);
 std::optional<std::string> NearMiss(std::string_view name,
                                     const std::vector<std::string>& candidates);
 
+/// "A, B, C".
+std::string JoinNames(const std::vector<std::string>& names);
+
 /// `unknown KIND "NAME"; did you mean "NEAR"? Known: A, B, C` - without the question when nothing
 /// is near.
 std::string UnknownName(std::string_view kind, std::string_view name,

@@ -17,14 +17,14 @@ struct RunningStatistics {
 
 /// The whole state that an update starts from: update = f(state, batch). What a checkpoint holds.
 struct TrainState {
-  std::uint64_t version = 0;       // updates made
-  std::uint64_t steps = 0;         // environment steps learnt from
-  std::vector<float> parameters;   // actor then critic, see common/network.h
-  std::vector<float> adam_m;       // same length
-  std::vector<float> adam_v;       // same length
+  std::uint64_t version = 0;      // updates made
+  std::uint64_t steps = 0;        // environment steps learnt from
+  std::vector<float> parameters;  // actor then critic, see common/network.h
+  std::vector<float> adam_m;      // same length
+  std::vector<float> adam_v;      // same length
   std::uint64_t adam_steps = 0;
-  RunningStatistics observation;     // 39 dimensions, enters snapshots from the next version on
-  RunningStatistics reward_return;   // 1 dimension: discounted return, the reward's scale
+  RunningStatistics observation;    // 39 dimensions, enters snapshots from the next version on
+  RunningStatistics reward_return;  // 1 dimension: discounted return, the reward's scale
   /// overlap 1: what version - 1 acted with; batch `version` was played under it.
   std::vector<float> previous_actor;
   RunningStatistics previous_observation;

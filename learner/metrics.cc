@@ -1,5 +1,7 @@
 #include "learner/metrics.h"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 
 namespace metronome {
@@ -30,8 +32,8 @@ void AddHeads(const std::string& name, const std::vector<double>& values, std::s
               std::vector<Metric>& metrics) {
   if (values.size() != heads) throw std::invalid_argument(name + ": not one value a head");
   for (std::size_t head = 0; head < heads; ++head) {
-    const std::string number = std::to_string(head);
-    metrics.push_back({name + "_head" + number, "head/" + name + "/" + number, values[head]});
+    metrics.push_back({fmt::format("{}_head{}", name, head), fmt::format("head/{}/{}", name, head),
+                       values[head]});
   }
 }
 

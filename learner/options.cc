@@ -74,11 +74,7 @@ std::string DefaultText(const std::string& wanted) {
 
 std::string HelpOf(const FieldOption& option) {
   std::string help = option.help;
-  if (option.path == std::string("environment.task")) {
-    const auto& names = TaskNames();
-    for (std::size_t i = 0; i < names.size(); ++i) help += (i ? ", " : "") + names[i];
-    return help;
-  }
+  if (option.path == std::string("environment.task")) return help + JoinNames(TaskNames());
   if (help.ends_with("]")) return help;
   return help + " [default: " + DefaultText(option.path) + "]";
 }
@@ -118,8 +114,9 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
       ->type_name("X");
   command
       .add_option("--log-level", arguments.log_level,
-                  "On standard error: trace, debug, info, warning, error, critical or off "
-                  "[default: " +
+                  "On standard error: " + JoinNames(LogLevels()) +
+                      " "
+                      "[default: " +
                       arguments.log_level + "]")
       ->type_name("X");
 }
@@ -161,7 +158,7 @@ RunConfig ResumedConfig(const RunArguments& run, const std::string& folder, cons
                       "all runs)");
   }
   const RunConfig old_config = Resolve(ParseConfigFile(path).config);
-  const RunConfig config = BuildConfig(ConfigDraft(old_config), command, arguments);
+  RunConfig config = BuildConfig(ConfigDraft(old_config), command, arguments);
   const auto differences = CompareForResume(old_config, config, run.new_total);
   if (differences.empty()) return config;
   std::string message = "cannot resume run " + run.run + " with another configuration:";

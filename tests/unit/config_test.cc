@@ -154,6 +154,18 @@ TEST(ParseConfigTest, UnreadableFilesAreNamed) {
             std::string::npos);
 }
 
+TEST(ParseConfigTest, ThePresetsAreValid) {
+  int presets = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(METRONOME_SOURCE_DIR "/deploy")) {
+    if (entry.path().extension() != ".textproto") continue;
+    ++presets;
+    RunConfig config = Push();
+    Overlay(config, ParseConfigFile(entry.path().string()).config);
+    EXPECT_NO_THROW(Validate(Resolve(config))) << entry.path();
+  }
+  EXPECT_GT(presets, 0);
+}
+
 TEST(SetFieldTest, SetsEveryTypeFromText) {
   RunConfig config;
   SetField(config, "policy.method", "ppo-time");
