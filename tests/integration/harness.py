@@ -148,14 +148,14 @@ class Stage:
         self.processes.append(process)
         return process
 
-    def learner(self, run, *options, small=SMALL):
+    def learner(self, run, *options, small=SMALL, runs=None):
         return self.start(
             LEARNER,
             "run",
             "--run",
             run,
             "--runs",
-            self.runs,
+            runs or self.runs,
             "--domain",
             self.domain,
             "--progress",

@@ -2,6 +2,8 @@
 
 import pytest
 
+from harness import SMALL
+
 
 @pytest.fixture(scope="module")
 def expected(module_stage):
@@ -36,7 +38,8 @@ def test_one_learner_thread_gives_the_weights_of_all_cores(stage, expected):
 
 
 def test_another_seed_gives_other_weights(stage, expected):
-    assert stage.train("run", "--set", "seed=8") != expected
+    small = tuple("8" if word == "7" else word for word in SMALL)
+    assert stage.train("run", small=small) != expected
 
 
 def test_an_actor_started_before_the_learner_joins_it(stage, expected):
