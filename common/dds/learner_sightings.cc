@@ -1,20 +1,12 @@
 #include "common/dds/learner_sightings.h"
 
 namespace metronome::dds {
-namespace {
-
-constexpr std::size_t kMaxRemembered = 64;  // learners, most of them long gone
-
-}  // namespace
 
 LearnerSightings::LearnerSightings(Participant* participant, WriterWatch* watch)
     : participant_(participant), watch_(watch), reader_(participant, kRunDescriptionTopic, watch) {}
 
 std::optional<LearnerSightings::Event> LearnerSightings::Next() {
   if (const auto id = watch_->NextLost()) return LearnerGone{*id};
-  if (const auto id = watch_->NextRevived()) {
-    if (const auto found = last_.find(*id); found != last_.end()) return found->second;
-  }
   while (auto taken = reader_.Take()) {
     if (participant_->Owns(taken->writer)) continue;
     if (auto event = Open(*std::move(taken))) return event;
@@ -33,8 +25,6 @@ std::optional<LearnerSightings::Event> LearnerSightings::Open(Taken<RunDescripti
   if (auto* bad = std::get_if<BadSample>(&taken.content)) return *bad;
   const auto& description = std::get<RunDescription>(taken.content);
   if (!watch_->Saw(taken.writer, description.learner_id)) return std::nullopt;
-  if (last_.size() >= kMaxRemembered) last_.clear();
-  last_[description.learner_id] = description;
   return description;
 }
 

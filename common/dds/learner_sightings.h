@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <variant>
 
@@ -23,9 +22,8 @@ class LearnerSightings {
   /// @param watch  must outlive the participant, as its listener.
   LearnerSightings(Participant* participant, WriterWatch* watch);
 
-  /// Oldest first; never blocks. A learner that was gone and turns out to have been stopped for a
-  /// while comes out again with its last description. A description of another protocol version has
-  /// its version, incarnation and learner id alone.
+  /// Never blocks. A description of another protocol version has its version, incarnation and
+  /// learner id alone.
   std::optional<Event> Next();
 
  private:
@@ -34,7 +32,6 @@ class LearnerSightings {
   Participant* const participant_;
   WriterWatch* const watch_;
   Reader<wire::RunDescriptionPubSubType> reader_;
-  std::map<std::uint64_t, RunDescription> last_;  // of learners alive or silent
 };
 
 }  // namespace metronome::dds

@@ -24,6 +24,10 @@ constexpr std::uint32_t kParticipantsPerPeer = 16;
 // port behind locked, and one that takes its place must not run into it.
 constexpr std::uint32_t kFirstSharedMemoryPort = 1 << 16;
 
+// A killed peer is noticed after the lease; announcements leave room for starved threads.
+const eprosima::fastrtps::Duration_t kLease{2, 500'000'000};
+const eprosima::fastrtps::Duration_t kAnnouncement{0, 500'000'000};
+
 rtps::Locator_t UdpLocator(const std::string& address, std::uint32_t port) {
   rtps::Locator_t locator;
   locator.kind = LOCATOR_KIND_UDPv4;
@@ -45,8 +49,8 @@ std::shared_ptr<fdds_rtps::TransportDescriptorInterface> UdpTransport(const Netw
 
 void SetDiscovery(const BusOptions& options, fdds::WireProtocolConfigQos* wire) {
   rtps::BuiltinAttributes& builtin = wire->builtin;
-  builtin.discovery_config.leaseDuration = {3, 0};
-  builtin.discovery_config.leaseDuration_announcementperiod = {1, 0};
+  builtin.discovery_config.leaseDuration = kLease;
+  builtin.discovery_config.leaseDuration_announcementperiod = kAnnouncement;
   builtin.metatrafficUnicastLocatorList.push_back(UdpLocator("0.0.0.0", 0));
   // This machine by unicast always: not every kernel's loopback carries multicast.
   builtin.initialPeersList.push_back(UdpLocator(kLoopbackAddress, 0));

@@ -13,7 +13,11 @@
 namespace metronome::dds {
 
 /// Listens to one reader: tells the inbox of new samples, and notices when the process behind a
-/// writer is gone (its liveliness lease ran out, or it left). Thread-safe.
+/// writer is gone (its participant's lease ran out, or it left). A process that was stopped for
+/// longer than the lease is gone, and matched anew once it goes on. Thread-safe.
+///
+/// Not by the writers' own liveliness: in Fast DDS 2.9 any participant's assertion of the automatic
+/// kind revives the writers of all others.
 class WriterWatch final : public fdds::DataReaderListener {
  public:
   explicit WriterWatch(Inbox* inbox) : inbox_(inbox) {}
@@ -25,30 +29,19 @@ class WriterWatch final : public fdds::DataReaderListener {
   void Drained();
   /// The id of a peer that is gone, each once; oldest first.
   std::optional<std::uint64_t> NextLost();
-  /// The id of a peer that was lost because its process had stopped for longer than the lease, and
-  /// that goes on. What it wrote before is not sent again.
-  std::optional<std::uint64_t> NextRevived();
   /// The process that wrote the last sample seen of the peer, while it lives.
   std::optional<ParticipantKey> ProcessOf(std::uint64_t id) const;
 
   void on_data_available(fdds::DataReader* reader) override;
   void on_subscription_matched(fdds::DataReader* reader,
                                const fdds::SubscriptionMatchedStatus& status) override;
-  void on_liveliness_changed(fdds::DataReader* reader,
-                             const eprosima::fastrtps::LivelinessChangedStatus& status) override;
 
  private:
-  enum class Cause { kSilent, kGone };
-  void Lose(const fdds::InstanceHandle_t& writer, Cause cause);
-  void Revive(const fdds::InstanceHandle_t& writer);
-
   Inbox* const inbox_;
   mutable std::mutex mutex_;
-  std::map<fdds::InstanceHandle_t, std::uint64_t> peers_;   // alive writers that were heard
-  std::map<fdds::InstanceHandle_t, std::uint64_t> silent_;  // writers heard, matched, not alive
-  std::set<fdds::InstanceHandle_t> dead_;  // writers whose samples may be left over
-  std::deque<std::uint64_t> lost_;         // at most one entry a writer that was heard
-  std::deque<std::uint64_t> revived_;
+  std::map<fdds::InstanceHandle_t, std::uint64_t> peers_;  // alive writers that were heard
+  std::set<fdds::InstanceHandle_t> dead_;                  // writers whose samples may be left over
+  std::deque<std::uint64_t> lost_;  // at most one entry a writer that was heard
 };
 
 /// Which processes read what one writer writes. Thread-safe.

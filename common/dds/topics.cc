@@ -6,9 +6,6 @@ namespace {
 namespace fdds = eprosima::fastdds::dds;
 using eprosima::fastrtps::Duration_t;
 
-// A killed peer is noticed after the lease; announcements leave room for a starved thread.
-const Duration_t kLivelinessLease{1, 500'000'000};
-const Duration_t kLivelinessAnnouncement{0, 300'000'000};
 // The default of 3 s would delay the last acknowledgement by as much.
 const Duration_t kHeartbeat{0, 50'000'000};
 // One try of write(); callers retry, so that closing is noticed.
@@ -31,9 +28,6 @@ void SetShared(const TopicProfile& topic, std::int32_t depth, Qos* qos) {
   qos->endpoint().history_memory_policy =
       eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos->data_sharing().off();
-  qos->liveliness().kind = fdds::AUTOMATIC_LIVELINESS_QOS;
-  qos->liveliness().lease_duration = kLivelinessLease;
-  qos->liveliness().announcement_period = kLivelinessAnnouncement;
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ inline constexpr TopicProfile kEpisodeTopic{"metronome/episode", false, true, 32
 inline constexpr TopicProfile kActorStatusTopic{
     "metronome/actor_status", false, false, 4, 256, 512};
 
-/// Reliable, automatic liveliness, data sharing off, finite resource limits.
+/// Reliable, data sharing off, finite resource limits.
 eprosima::fastdds::dds::DataWriterQos WriterQos(const TopicProfile& topic);
 eprosima::fastdds::dds::DataReaderQos ReaderQos(const TopicProfile& topic);
 

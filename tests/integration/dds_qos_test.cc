@@ -1,0 +1,93 @@
+#include <gtest/gtest.h>
+
+#include "common/dds/endpoints.h"
+#include "common/dds/participant_qos.h"
+#include "tests/integration/dds_fixture.h"
+
+/// The quality of service that live endpoints have, against the table of idl/README.md.
+namespace metronome::test {
+namespace {
+
+namespace fdds = eprosima::fastdds::dds;
+
+struct Expected {
+  fdds::DurabilityQosPolicyKind durability;
+  fdds::HistoryQosPolicyKind history;
+  std::int32_t writer_depth;
+  std::int32_t reader_depth;
+};
+
+template <class Qos>
+void ExpectShared(const Qos& qos, const Expected& expected, std::int32_t depth) {
+  EXPECT_EQ(qos.reliability().kind, fdds::RELIABLE_RELIABILITY_QOS);
+  EXPECT_EQ(qos.durability().kind, expected.durability);
+  EXPECT_EQ(qos.history().kind, expected.history);
+  EXPECT_EQ(qos.history().depth, depth);
+  EXPECT_EQ(qos.resource_limits().max_samples, depth);
+  EXPECT_EQ(qos.resource_limits().max_instances, 1);
+  EXPECT_EQ(qos.resource_limits().max_samples_per_instance, depth);
+  EXPECT_EQ(qos.data_sharing().kind(), fdds::OFF);
+}
+
+template <class PubSubType>
+void ExpectQos(const dds::TopicProfile& profile, const Expected& expected) {
+  SCOPED_TRACE(profile.name);
+  dds::Participant participant(FreshRun(), "test");
+  const fdds::DataWriterQos writer =
+      participant.MakeWriter<PubSubType>(profile, nullptr)->get_qos();
+  ExpectShared(writer, expected, expected.writer_depth);
+  EXPECT_EQ(writer.reliable_writer_qos().times.heartbeatPeriod,
+            eprosima::fastrtps::Duration_t(0.05));
+  EXPECT_EQ(writer.reliability().max_blocking_time, eprosima::fastrtps::Duration_t(0.1));
+  const fdds::DataReaderQos reader =
+      participant.MakeReader<PubSubType>(profile, nullptr)->get_qos();
+  ExpectShared(reader, expected, expected.reader_depth);
+}
+
+TEST(DdsQosTest, LiveEndpointsHaveTheQualityOfServiceOfTheTable) {
+  const auto transient = fdds::TRANSIENT_LOCAL_DURABILITY_QOS;
+  const auto volatile_kind = fdds::VOLATILE_DURABILITY_QOS;
+  const auto last = fdds::KEEP_LAST_HISTORY_QOS;
+  const auto all = fdds::KEEP_ALL_HISTORY_QOS;
+  ExpectQos<wire::RunDescriptionPubSubType>(dds::kRunDescriptionTopic, {transient, last, 1, 8});
+  ExpectQos<wire::PolicySnapshotPubSubType>(dds::kPolicySnapshotTopic, {transient, last, 2, 8});
+  ExpectQos<wire::EpisodeOrderPubSubType>(dds::kEpisodeOrderTopic,
+                                          {volatile_kind, all, 4096, 1024});
+  ExpectQos<wire::EpisodePubSubType>(dds::kEpisodeTopic, {volatile_kind, all, 32, 64});
+  ExpectQos<wire::ActorStatusPubSubType>(dds::kActorStatusTopic, {volatile_kind, last, 4, 256});
+}
+
+TEST(DdsQosTest, ParticipantsAreLostAfterTheirLease) {
+  const auto qos = dds::ParticipantQos(FreshRun(), "test");
+  const auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  EXPECT_EQ(discovery.leaseDuration, eprosima::fastrtps::Duration_t(2.5));
+  EXPECT_EQ(discovery.leaseDuration_announcementperiod, eprosima::fastrtps::Duration_t(0.5));
+}
+
+TEST(DdsQosTest, ContentFilterLetsOnlyTheActorsOwnOrdersThrough) {
+  const BusOptions options = FreshRun();
+  constexpr std::uint64_t kMine = 0xFEDCBA9876543210;
+  dds::Inbox inbox;
+  dds::WriterWatch watch(&inbox);
+  dds::ReaderWatch reader_watch(&inbox);
+  dds::Participant sender(options, "sender");
+  dds::Participant receiver(options, "receiver");
+  dds::Writer<wire::EpisodeOrderPubSubType> writer(&sender, dds::kEpisodeOrderTopic, &reader_watch);
+  dds::Reader<wire::EpisodeOrderPubSubType> reader(&receiver, dds::kEpisodeOrderTopic, &watch,
+                                                   kMine);
+  ASSERT_TRUE(inbox.Wait(
+      Soon(), [&] { return reader_watch.HasReader() ? std::optional(true) : std::nullopt; }));
+  for (const std::uint64_t id : {kMine - 1, kMine, kMine + 1, std::uint64_t{0}, kMine}) {
+    EXPECT_EQ(writer.Write(SomeOrder(id, 0)), dds::WriteResult::kWritten);
+  }
+  for (int expected = 0; expected < 2; ++expected) {
+    const auto taken = inbox.Wait(Soon(), [&] { return reader.Take(); });
+    ASSERT_TRUE(taken);
+    EXPECT_EQ(std::get<EpisodeOrder>(taken->content).actor_id, kMine);
+  }
+  EXPECT_TRUE(writer.WaitForAcknowledgements(seconds(20)));
+  EXPECT_FALSE(reader.Take());
+}
+
+}  // namespace
+}  // namespace metronome::test
