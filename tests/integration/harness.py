@@ -44,7 +44,8 @@ class Process:
 
     def __init__(self, command):
         self.command = [str(word) for word in command]
-        self.lines = []
+        self.lines = []  # of both streams, as they came
+        self.output = []  # of standard output alone
         self._changed = threading.Condition()
         self._open = 2
         self.child = children.start(
@@ -61,6 +62,8 @@ class Process:
         for line in stream:
             with self._changed:
                 self.lines.append(line.rstrip("\n"))
+                if stream is self.child.stdout:
+                    self.output.append(line)
                 self._changed.notify_all()
         with self._changed:
             self._open -= 1
@@ -116,6 +119,10 @@ class Process:
     def kill(self):
         self.signal(signal.SIGKILL)
         self.child.wait()
+
+    def json(self):
+        """Standard output as one JSON object."""
+        return json.loads("".join(self.output))
 
     @property
     def text(self):
@@ -188,7 +195,7 @@ class Stage:
     def inspect(self, checkpoint):
         inspect = self.start(LEARNER, "inspect", checkpoint, "--json")
         assert inspect.wait() == 0, inspect
-        return json.loads(inspect.text)
+        return inspect.json()
 
     def close(self):
         for process in self.processes:

@@ -10,7 +10,7 @@ from harness import ACTOR, LEARNER
     [
         (("--task", "pussh"), ("push", "assembly", "bin-picking", "box-close")),
         (("--task", "push", "--method", "multihaed"), ("multihead", "ppo-time")),
-        (("--task", "push", "--set", "ppo.clipp=0.1"), ("ppo.clip",)),
+        (("--task", "push", "--set", "ppo.clipp=0.1"), ('"clip"', "kl_stop")),
         (("--task", "push", "--set", "pp.clip=0.1"), ("ppo",)),
         (("--task", "push", "--set", "ppo.clip"), ("ppo.clip",)),
         (("--task", "push", "--set", "ppo.clip=wide"), ("ppo.clip", "wide")),
