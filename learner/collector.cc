@@ -70,10 +70,11 @@ void Collector::SendRefusal(std::uint64_t actor_id, const std::string& reason) {
 }
 
 void Collector::OnLost(std::uint64_t actor_id, TimePoint now) {
+  const std::size_t orders = ledger_.Lose(actor_id, now);
   if (names_.contains(actor_id)) {
-    spdlog::info("actor {} is gone; what it had not brought is ordered again", NameOf(actor_id));
+    spdlog::info("actor {} is gone{}", NameOf(actor_id),
+                 orders > 0 ? "; its " + std::to_string(orders) + " orders go to others" : "");
   }
-  ledger_.Lose(actor_id, now);
   names_.erase(actor_id);
 }
 

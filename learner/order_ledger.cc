@@ -43,9 +43,9 @@ void OrderLedger::Join(std::uint64_t actor_id, const std::string& name, std::uin
   actor.slots = std::max<std::uint32_t>(slots, 1);
 }
 
-void OrderLedger::Lose(std::uint64_t actor_id, TimePoint now) {
+std::size_t OrderLedger::Lose(std::uint64_t actor_id, TimePoint now) {
   CountIdle(now);
-  Drop(actor_id);
+  return Drop(actor_id);
 }
 
 void OrderLedger::Refuse(std::uint64_t actor_id, TimePoint now) {
@@ -54,11 +54,13 @@ void OrderLedger::Refuse(std::uint64_t actor_id, TimePoint now) {
   refused_.insert(actor_id);
 }
 
-void OrderLedger::Drop(std::uint64_t actor_id) {
+std::size_t OrderLedger::Drop(std::uint64_t actor_id) {
   const auto actor = actors_.find(actor_id);
-  if (actor == actors_.end()) return;
+  if (actor == actors_.end()) return 0;
+  const std::size_t orders = actor->second.out.size();
   for (const Outstanding& out : actor->second.out) TakeBack(out.number, actor_id);
   actors_.erase(actor);
+  return orders;
 }
 
 // A number that nobody plays any more is open again, unless it is here already.

@@ -58,8 +58,8 @@ class OrderLedger {
 
   /// The actor is there (again) with so many slots; at least 1. Refused actors stay refused.
   void Join(std::uint64_t actor_id, const std::string& name, std::uint32_t slots, TimePoint now);
-  /// What it has not brought is open again at once.
-  void Lose(std::uint64_t actor_id, TimePoint now);
+  /// What it has not brought is open again at once. @return how many orders that were.
+  std::size_t Lose(std::uint64_t actor_id, TimePoint now);
   /// Nothing is ordered from this actor any more.
   void Refuse(std::uint64_t actor_id, TimePoint now);
   [[nodiscard]] bool IsRefused(std::uint64_t actor_id) const { return refused_.contains(actor_id); }
@@ -124,7 +124,7 @@ class OrderLedger {
 
   void OpenBatches();
   void TakeBack(std::uint64_t number, std::uint64_t actor_id);
-  void Drop(std::uint64_t actor_id);
+  std::size_t Drop(std::uint64_t actor_id);
   void Release(ActorMap::value_type& actor, std::uint64_t number, TimePoint now);
   void HandOut(std::uint64_t number, ActorMap::value_type& actor, TimePoint now,
                std::vector<Assignment>& plan);

@@ -1,0 +1,412 @@
+#include "learner/coordinator.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <numeric>
+
+#include "learner/exit_codes.h"
+#include "tests/unit/fake_run.h"
+
+namespace metronome {
+namespace {
+
+using ::metronome::testing::FakeActor;
+using ::metronome::testing::FakeRun;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+std::vector<std::uint64_t> FirstNumbers(std::uint64_t count) {
+  std::vector<std::uint64_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), 0U);
+  return numbers;
+}
+
+RunDescription Rival(std::uint64_t id, bool serving) {
+  RunDescription rival;
+  rival.learner_id = id;
+  rival.serving = serving;
+  rival.run_name = "test";
+  rival.build = "build-2, on elsewhere";
+  return rival;
+}
+
+bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(CoordinatorTest, ARunLearnsFromEachNumberOnceInOrderAndEndsWithItsAccounts) {
+  FakeRun run;
+  run.AddActor(1);
+  run.AddActor(2, 2);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
+  EXPECT_EQ(run.record.updates, (std::vector<std::uint64_t>{1, 2, 3}));
+  EXPECT_EQ(run.record.finished,
+            "every episode number entered exactly one update: 12 of 12 (re-ordered 0, duplicates "
+            "0, rejected 0)");
+  EXPECT_TRUE(run.bus.descriptions.back().finished);
+  EXPECT_LT(run.bus.waits, 200) << "it polls";
+}
+
+TEST(CoordinatorTest, VersionZeroIsOnDiskBeforeTheFirstOrderAndEachVersionAfterIt) {
+  FakeRun run;
+  run.AddActor(1);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ASSERT_EQ(run.record.saved.size(), 4U);
+  EXPECT_EQ(run.record.saved[0].version, 0U);
+  EXPECT_EQ(run.record.orders_before_save[0], 0U);
+  EXPECT_EQ(run.record.saved[1].canonical_digest, "digest-1");
+  EXPECT_EQ(run.record.saved[3].version, 3U);
+}
+
+TEST(CoordinatorTest, CheckpointsAreWrittenEveryFewUpdatesAndAtTheEnd) {
+  FakeRun run;
+  run.setup.rules.updates_total = 5;
+  run.setup.checkpoint_every = 2;
+  run.AddActor(1);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  std::vector<std::uint64_t> versions;
+  for (const TrainState& state : run.record.saved) versions.push_back(state.version);
+  EXPECT_EQ(versions, (std::vector<std::uint64_t>{0, 2, 4, 5}));
+}
+
+TEST(CoordinatorTest, WithoutOverlapNothingIsOrderedDuringAnUpdate) {
+  FakeRun run;
+  run.AddActor(1, 2);
+  bool ordered_during_update = false;
+  const auto obey = run.bus.on_order;
+  run.bus.on_order = [&](const EpisodeOrder& order) {
+    ordered_during_update |= run.background.running;
+    return obey(order);
+  };
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_FALSE(ordered_during_update);
+  EXPECT_EQ(run.learning.behaviour,
+            (std::vector<std::uint64_t>{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2}));
+}
+
+TEST(CoordinatorTest, WithOverlapTheNextBatchIsPlayedUnderTheOldWeightsDuringTheUpdate) {
+  FakeRun run;
+  run.setup.rules.overlap = 1;
+  run.AddActor(1, 2);
+  bool ordered_during_update = false;
+  const auto obey = run.bus.on_order;
+  run.bus.on_order = [&](const EpisodeOrder& order) {
+    ordered_during_update |= run.background.running;
+    EXPECT_LE(order.weights_version, run.bus.snapshots.back().version);
+    return obey(order);
+  };
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_TRUE(ordered_during_update);
+  EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
+  EXPECT_EQ(run.learning.behaviour,
+            (std::vector<std::uint64_t>{0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1}));
+}
+
+TEST(CoordinatorTest, AResumedRunGoesOnWithTheSameNumbersAndPublishesBothVersions) {
+  FakeRun run;
+  run.Resume(2);
+  run.setup.rules.overlap = 1;
+  run.AddActor(1);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.learning.learnt, (std::vector<std::uint64_t>{8, 9, 10, 11}));
+  EXPECT_EQ(run.learning.behaviour, (std::vector<std::uint64_t>{1, 1, 1, 1}));
+  EXPECT_EQ(run.bus.snapshots[0].version, 1U);
+  EXPECT_EQ(run.bus.snapshots[1].version, 2U);
+  EXPECT_EQ(run.bus.snapshots[1].incarnation, FakeRun::kIncarnation);
+  ASSERT_EQ(run.record.saved.size(), 1U) << "the checkpoint gone on from is not written again";
+  EXPECT_TRUE(Contains(run.record.finished, "12 of 12"));
+  EXPECT_TRUE(Contains(run.record.finished, "8 before the last resume"));
+}
+
+TEST(CoordinatorTest, AFinishedRunThatIsResumedEndsAtOnce) {
+  FakeRun run;
+  run.Resume(3);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_TRUE(run.bus.orders.empty());
+  EXPECT_TRUE(Contains(run.record.finished, "12 of 12"));
+}
+
+TEST(CoordinatorTest, AKilledActorsEpisodesAreOrderedFromTheOthers) {
+  FakeRun run;
+  run.AddActor(1);
+  run.AddActor(2);
+  run.bus.CallAfter(milliseconds(350), [&] { run.Kill(1); });
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
+  EXPECT_FALSE(Contains(run.record.finished, "re-ordered 0"));
+}
+
+TEST(CoordinatorTest, BadEpisodesNeverReachTheUpdateAndAreOrderedAgain) {
+  FakeRun run;
+  int sent = 0;
+  run.AddActor(1).answer = [&](EpisodeMessage message) {
+    if (++sent % 3 == 0) message.episode.reward[0] = std::nanf("");
+    return std::vector{message};
+  };
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
+  EXPECT_TRUE(Contains(run.record.finished, "rejected 5")) << run.record.finished;
+}
+
+TEST(CoordinatorTest, AnActorThatOnlySendsBadEpisodesIsRefusedByName) {
+  FakeRun run;
+  FakeActor& bad = run.AddActor(1);
+  bad.duration = milliseconds(1);
+  bad.answer = [](EpisodeMessage message) {
+    message.episode.reward[0] = std::nanf("");
+    return std::vector{message};
+  };
+  run.AddActor(2);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_TRUE(Contains(bad.refused, "host1")) << bad.refused;
+  EXPECT_TRUE(Contains(bad.refused, "a reward is not finite"));
+  EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
+}
+
+TEST(CoordinatorTest, DuplicatesAreDroppedAndADifferingOneIsToldInTheAccounts) {
+  FakeRun run;
+  run.AddActor(1).answer = [](EpisodeMessage message) {
+    EpisodeMessage again = message;
+    if (message.episode.number == 5) again.episode.reward[0] += 1;
+    return std::vector{message, again};
+  };
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
+  EXPECT_TRUE(Contains(run.record.finished, "duplicates 11, rejected 0, DIFFERING DUPLICATES 1"))
+      << run.record.finished;  // the twelfth comes after the end
+}
+
+TEST(CoordinatorTest, SamplesOfAnotherStartOfTheLearnerAreDropped) {
+  FakeRun run;
+  run.AddActor(1).answer = [](const EpisodeMessage& message) {
+    EpisodeMessage stale = message;
+    stale.incarnation = FakeRun::kIncarnation - 1;
+    stale.episode.reward[0] = -1;
+    return std::vector{stale, message};
+  };
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_TRUE(Contains(run.record.finished, "duplicates 0, rejected 0"));
+}
+
+TEST(CoordinatorTest, SamplesFromNowhereAreCountedAndDropped) {
+  FakeRun run;
+  run.AddActor(1);
+  run.bus.After(milliseconds(400), BadSample{"episode", "truncated"});
+  run.bus.After(milliseconds(400),
+                EpisodeMessage{FakeRun::kIncarnation, 66, FakeRun::MakeEpisode(2, 0)});
+  run.bus.After(milliseconds(400),
+                EpisodeMessage{FakeRun::kIncarnation, 1, FakeRun::MakeEpisode(999, 0)});
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_TRUE(Contains(run.record.finished, "rejected 3")) << run.record.finished;
+}
+
+TEST(CoordinatorTest, ActorsOfAnotherProtocolEngineOrArithmeticAreRefusedNamingBothSides) {
+  FakeRun run;
+  run.AddActor(1);
+  FakeActor& protocol = run.AddActor(2);
+  protocol.status.protocol_version = kProtocolVersion + 1;
+  FakeActor& engine = run.AddActor(3);
+  engine.status.engine = "engine-2";
+  FakeActor& digest = run.AddActor(4);
+  digest.status.canonical_digest = "digest-2";
+  digest.status.build = "build-4";
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_TRUE(run.actors.at(1).refused.empty());
+  EXPECT_TRUE(Contains(protocol.refused, "protocol version " +
+                                             std::to_string(kProtocolVersion + 1) +
+                                             ", the learner " + std::to_string(kProtocolVersion)))
+      << protocol.refused;
+  EXPECT_TRUE(Contains(engine.refused, "engine-1") && Contains(engine.refused, "engine-2"));
+  for (const char* part : {"host4", "digest-1", "digest-2", "build-1", "build-4"}) {
+    EXPECT_TRUE(Contains(digest.refused, part)) << part << " in " << digest.refused;
+  }
+}
+
+TEST(CoordinatorTest, AfterAResumeActorsMustEqualTheCheckpointsDigest) {
+  FakeRun run;
+  run.Resume(1);
+  FakeActor& other = run.AddActor(1);
+  other.status.canonical_digest = "digest-2";
+  run.AddActor(2);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_TRUE(Contains(other.refused, "digest-1"));
+}
+
+TEST(CoordinatorTest, AFullDiskIsLoudAndTheRunGoesOn) {
+  FakeRun run;
+  run.record.full = [](std::uint64_t version) { return version == 1 || version == 2; };
+  run.AddActor(1);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ASSERT_EQ(run.record.saved.size(), 2U);
+  EXPECT_EQ(run.record.saved[1].version, 3U);
+}
+
+TEST(CoordinatorTest, AFinalCheckpointThatCannotBeWrittenIsAFailure) {
+  FakeRun run;
+  run.record.full = [](std::uint64_t version) { return version == 3; };
+  run.AddActor(1);
+  EXPECT_EQ(run.Run(), kExitFailure);
+  EXPECT_TRUE(run.bus.descriptions.back().finished);
+}
+
+TEST(CoordinatorTest, WithoutAVersionZeroCheckpointNothingIsOrdered) {
+  FakeRun run;
+  run.record.full = [](std::uint64_t) { return true; };
+  run.AddActor(1);
+  EXPECT_EQ(run.Run(), kExitFailure);
+  EXPECT_TRUE(run.bus.orders.empty());
+  EXPECT_FALSE(run.record.started_at.has_value());
+}
+
+TEST(CoordinatorTest, AnUpdateThatIsNotFiniteStopsTheRunWithTheLastGoodCheckpoint) {
+  FakeRun run;
+  run.setup.checkpoint_every = 10;
+  run.learning.fail_at = 3;
+  run.AddActor(1);
+  EXPECT_EQ(run.Run(), kExitNonFinite);
+  EXPECT_EQ(run.record.saved.back().version, 2U);
+  EXPECT_FALSE(run.bus.descriptions.back().finished);
+  EXPECT_TRUE(run.record.finished.empty());
+}
+
+TEST(CoordinatorTest, ASignalStopsWithACheckpointOfTheLastCompleteVersion) {
+  FakeRun run;
+  run.setup.checkpoint_every = 10;
+  run.AddActor(1);
+  run.bus.CallAfter(milliseconds(300 + 450 + 1000 + 100),
+                    [&] { run.coordinator->RequestStop(SIGINT); });
+  EXPECT_EQ(run.Run(), 130);
+  EXPECT_EQ(run.record.saved.back().version, 1U);
+  EXPECT_TRUE(run.record.interrupted);
+  EXPECT_FALSE(run.bus.descriptions.back().finished) << "actors are to wait for the resumed one";
+}
+
+TEST(CoordinatorTest, ASignalDuringAnUpdateKeepsItsResultAndBeginsNoOther) {
+  FakeRun run;
+  run.setup.checkpoint_every = 10;
+  run.AddActor(1);
+  run.bus.CallAfter(milliseconds(300 + 450 + 500), [&] { run.coordinator->RequestStop(SIGTERM); });
+  EXPECT_EQ(run.Run(), 143);
+  EXPECT_EQ(run.record.saved.back().version, 1U);
+  EXPECT_EQ(run.learning.learnt, FirstNumbers(4));
+  EXPECT_EQ(run.record.updates, (std::vector<std::uint64_t>{1}));
+}
+
+TEST(CoordinatorTest, ARunWithoutActorsWaitsWithoutPolling) {
+  FakeRun run;
+  run.bus.CallAfter(seconds(3600), [&] { run.coordinator->RequestStop(SIGINT); });
+  EXPECT_EQ(run.Run(), 130);
+  EXPECT_LT(run.bus.waits, 3600 / 5 + 20);  // a call for actors every five seconds
+}
+
+TEST(CoordinatorTest, AnActorThatComesLateIsServed) {
+  FakeRun run;
+  FakeActor& late = run.AddActor(1);
+  late.status.incarnation = 0;  // what it says before it has heard of this learner
+  ActorStatus knows = late.status;
+  knows.incarnation = FakeRun::kIncarnation;
+  run.bus.After(seconds(30), knows);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_GT(run.bus.now() - Clock::time_point(std::chrono::hours(1)), seconds(30));
+}
+
+// Rivals. Start: looks for 300 ms; a lease is 3 s.
+
+TEST(CoordinatorTest, NobodyElseIsSeenSoTheRunIsServedAfterTheDiscoveryTime) {
+  FakeRun run;
+  run.AddActor(1);
+  FakeActor& actor = run.actors.at(1);
+  std::optional<Clock::time_point> served;
+  const auto hear = run.bus.on_description;
+  run.bus.on_description = [&](const RunDescription& description) {
+    if (description.serving && !served) served = run.bus.now();
+    hear(description);
+  };
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_FALSE(run.bus.descriptions.front().serving);
+  EXPECT_EQ(*served, Clock::time_point(std::chrono::hours(1)) + milliseconds(300));
+  EXPECT_TRUE(actor.refused.empty());
+}
+
+TEST(CoordinatorTest, ALivingLearnerRefusesASecondOneAndLeavesItsFilesAlone) {
+  FakeRun run;
+  run.bus.After(milliseconds(50), RivalSeen{Rival(999, true)});
+  EXPECT_EQ(run.Run(), kExitRival);
+  EXPECT_FALSE(run.record.begun);
+  EXPECT_EQ(run.bus.now(), Clock::time_point(std::chrono::hours(1)) + milliseconds(3050));
+}
+
+TEST(CoordinatorTest, OnesOwnGhostVanishesWithinItsLeaseAndDoesNotRefuse) {
+  FakeRun run;
+  run.AddActor(1);
+  run.bus.After(milliseconds(10), RivalSeen{Rival(1, true)});
+  run.bus.After(milliseconds(2900), RivalLost{1});
+  EXPECT_EQ(run.Run(), kExitFinished);
+}
+
+TEST(CoordinatorTest, OfTwoThatStartTheLowerIdGoesOnAtOnceAndTheHigherGivesUp) {
+  FakeRun lower;
+  lower.AddActor(1);
+  lower.bus.After(milliseconds(10), RivalSeen{Rival(FakeRun::kLearnerId + 1, false)});
+  EXPECT_EQ(lower.Run(), kExitFinished);
+  FakeRun higher;
+  higher.bus.After(milliseconds(10), RivalSeen{Rival(FakeRun::kLearnerId - 1, false)});
+  EXPECT_EQ(higher.Run(), kExitRival);
+}
+
+TEST(CoordinatorTest, OfTwoEstablishedOnesTheHigherIdStopsWithACheckpoint) {
+  FakeRun run;
+  run.setup.rules.updates_total = 30;
+  run.setup.checkpoint_every = 100;
+  run.AddActor(1);
+  run.bus.After(seconds(10), RivalSeen{Rival(FakeRun::kLearnerId - 1, true)});
+  EXPECT_EQ(run.Run(), kExitRival);
+  EXPECT_GT(run.record.saved.back().version, 0U);
+  EXPECT_EQ(run.record.saved.back().version, run.learning.state_.version);
+}
+
+TEST(CoordinatorTest, AnEstablishedLearnerOutlastsALaterOne) {
+  FakeRun run;
+  run.setup.rules.updates_total = 30;
+  run.AddActor(1);
+  // The newcomer yields within two leases, whichever id is lower.
+  run.bus.After(seconds(10), RivalSeen{Rival(FakeRun::kLearnerId - 1, true)});
+  run.bus.After(seconds(16), RivalLost{FakeRun::kLearnerId - 1});
+  run.bus.After(seconds(20), RivalSeen{Rival(FakeRun::kLearnerId + 1, true)});
+  EXPECT_EQ(run.Run(), kExitFinished);
+}
+
+TEST(CoordinatorTest, ANewcomerThatMissedTheEstablishedOneYieldsEvenWithTheLowerId) {
+  FakeRun run;
+  run.setup.rules.updates_total = 30;
+  run.AddActor(1);
+  run.bus.After(seconds(1), RivalSeen{Rival(FakeRun::kLearnerId + 1, true)});
+  EXPECT_EQ(run.Run(), kExitRival);
+}
+
+TEST(CoordinatorTest, AStartingRivalNeverStopsTheOneThatServes) {
+  FakeRun run;
+  run.AddActor(1);
+  run.bus.After(seconds(1), RivalSeen{Rival(1, false)});
+  EXPECT_EQ(run.Run(), kExitFinished);
+}
+
+TEST(BackgroundThreadTest, WorkRunsElsewhereOneAtATimeAndWaitSeesItsEnd) {
+  BackgroundThread background("test");
+  int sum = 0;
+  std::thread::id where;
+  for (int i = 1; i <= 3; ++i) {
+    background.Start([&sum, &where, i] {
+      sum += i;
+      where = std::this_thread::get_id();
+    });
+    background.Wait();
+  }
+  EXPECT_EQ(sum, 6);
+  EXPECT_NE(where, std::this_thread::get_id());
+}
+
+}  // namespace
+}  // namespace metronome

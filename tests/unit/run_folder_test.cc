@@ -1,0 +1,81 @@
+#include "learner/run_folder.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "common/files.h"
+
+namespace metronome {
+namespace {
+
+class RunFolderTest : public ::testing::Test {
+ protected:
+  RunFolderTest() {
+    std::string pattern = ::testing::TempDir() + "run_folder_XXXXXX";
+    root_ = mkdtemp(pattern.data());
+  }
+  ~RunFolderTest() override { std::filesystem::remove_all(root_); }
+
+  std::string Path() const { return root_ + "/runs/name"; }
+
+  std::string root_;
+};
+
+TEST_F(RunFolderTest, TheIncarnationGrowsAtEachStart) {
+  EXPECT_EQ(RunFolder(Path()).NextIncarnation(0), 1U);
+  EXPECT_EQ(RunFolder(Path()).NextIncarnation(0), 2U);
+  EXPECT_EQ(RunFolder(Path()).NextIncarnation(1), 3U);
+  EXPECT_EQ(RunFolder(Path()).NextIncarnation(9), 10U) << "the checkpoint had seen more";
+}
+
+TEST_F(RunFolderTest, ALostOrDamagedCounterGoesOnFromTheCheckpoint) {
+  RunFolder folder(Path());
+  std::ofstream(folder.File("incarnation")) << "what?\n";
+  EXPECT_EQ(folder.NextIncarnation(4), 5U);
+  std::filesystem::remove(folder.File("incarnation"));
+  EXPECT_EQ(folder.NextIncarnation(4), 5U);
+}
+
+TEST_F(RunFolderTest, ASecondLearnerIsRefusedNamingTheFirstUntilThatEnds) {
+  auto first = std::make_unique<RunFolder>(Path());
+  try {
+    RunFolder second(Path());
+    FAIL() << "two hold the folder";
+  } catch (const RunFolderBusy& error) {
+    EXPECT_NE(std::string(error.what()).find("process " + std::to_string(getpid())),
+              std::string::npos)
+        << error.what();
+  }
+  first.reset();
+  EXPECT_NO_THROW(RunFolder{Path()});
+}
+
+TEST_F(RunFolderTest, OnlyAnUnusedFolderIsTakenBack) {
+  {
+    RunFolder folder(Path());
+    folder.NextIncarnation(0);
+    std::ofstream(folder.File("config.textproto")) << "seed: 1\n";
+    folder.RemoveIfUnused();
+    EXPECT_TRUE(std::filesystem::exists(folder.File("incarnation")));
+    std::filesystem::remove(folder.File("config.textproto"));
+    folder.RemoveIfUnused();
+  }
+  EXPECT_FALSE(std::filesystem::exists(Path()));
+}
+
+TEST_F(RunFolderTest, AFolderThatCannotBeMadeIsNamed) {
+  std::ofstream(root_ + "/runs") << "a file\n";
+  try {
+    RunFolder folder(Path());
+    FAIL();
+  } catch (const std::system_error& error) {
+    EXPECT_NE(std::string(error.what()).find(root_ + "/runs"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace metronome
