@@ -21,10 +21,11 @@ std::string FileName(std::uint64_t version) {
   return digits + std::string(kSuffix);
 }
 
-/// Checkpoint files of the folder by version.
+/// Checkpoint files of the folder by version; none where it cannot be read.
 std::map<std::uint64_t, fs::path> FilesIn(const fs::path& folder) {
   std::map<std::uint64_t, fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
     if (!name.ends_with(kSuffix)) continue;
     const auto version =
@@ -57,7 +58,9 @@ std::string CheckpointStore::Save(const Checkpoint& checkpoint) {
 
 std::optional<std::string> CheckpointStore::Latest() const {
   const fs::path link = fs::path(folder_) / kLatest;
-  if (fs::is_symlink(link)) return (fs::path(folder_) / fs::read_symlink(link)).string();
+  std::error_code unreadable;  // asked when a disk fails, too: what is not there is not named
+  const fs::path target = fs::read_symlink(link, unreadable);
+  if (!unreadable) return (fs::path(folder_) / target).string();
   const auto files = FilesIn(folder_);
   if (files.empty()) return std::nullopt;
   return files.rbegin()->second.string();

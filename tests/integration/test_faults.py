@@ -71,3 +71,19 @@ def test_an_actor_of_another_domain_is_not_seen(stage):
         (stage.domain + 1) % 101,
     )
     assert actor.wait(60) == NO_LEARNER, actor
+
+
+def test_training_goes_on_while_checkpoints_cannot_be_written(stage):
+    learner, actor = stage.learner("run"), stage.actor("run")
+    learner.expect_update(2)
+    # What a full disk does to the folder, without filling one: no file can be made in it.
+    folder, aside = stage.runs / "run" / "checkpoints", stage.runs / "run" / "aside"
+    folder.rename(aside)
+    folder.touch()
+    failed = learner.expect_text("checkpoint")
+    assert "error" in failed.lower(), learner
+    version = learner.expect_update(2)["update"]
+    learner.expect_update(version + 1)
+    folder.unlink()
+    aside.rename(folder)
+    assert stage.finish("run", learner, [actor])
