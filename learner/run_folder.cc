@@ -36,7 +36,10 @@ RunFolder::RunFolder(std::string path) : path_(std::move(path)) {
   Lock();
 }
 
-RunFolder::~RunFolder() { close(lock_); }
+RunFolder::~RunFolder() {
+  RemoveIfUnused();
+  close(lock_);
+}
 
 void RunFolder::Lock() {
   const std::string file = File("lock");
@@ -78,7 +81,7 @@ std::uint64_t RunFolder::NextIncarnation(std::uint64_t seen) {
   return next;
 }
 
-void RunFolder::RemoveIfUnused() {
+void RunFolder::RemoveIfUnused() const {
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(path_, ignored)) {
     const std::string name = entry.path().filename();

@@ -19,6 +19,8 @@ class RunFolder {
   /// Makes the folder if needed and locks it; does not block.
   /// @throws RunFolderBusy naming who holds it, std::system_error naming the path.
   explicit RunFolder(std::string path);
+  /// Lets go; takes back what was made here if nothing else lies in the folder (a start was
+  /// refused).
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
@@ -28,16 +30,13 @@ class RunFolder {
   /// @throws std::system_error if it cannot be written.
   std::uint64_t NextIncarnation(std::uint64_t seen);
 
-  /// Takes back what was made here, if nothing else lies in the folder: for a start that was
-  /// refused.
-  void RemoveIfUnused();
-
   [[nodiscard]] const std::string& path() const { return path_; }
   /// Path of a file of the folder.
   [[nodiscard]] std::string File(const std::string& name) const { return path_ + "/" + name; }
 
  private:
   void Lock();
+  void RemoveIfUnused() const;
 
   std::string path_;
   int lock_ = -1;

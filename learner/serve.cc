@@ -192,9 +192,7 @@ int Serve(const RunOptions& options, StopTarget& target) {
   target.Set(&coordinator);
   const auto clear = [&target](Coordinator*) { target.Set(nullptr); };
   const std::unique_ptr<Coordinator, decltype(clear)> set(&coordinator, clear);
-  const int code = coordinator.Run();
-  if (code == kExitRival && !options.resume) folder.RemoveIfUnused();
-  return code;
+  return coordinator.Run();
 }
 
 }  // namespace

@@ -174,8 +174,8 @@ TEST(CoordinatorTest, DuplicatesAreDroppedAndADifferingOneIsToldInTheAccounts) {
   };
   EXPECT_EQ(run.Run(), kExitFinished);
   EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
-  EXPECT_TRUE(Contains(run.record.finished, "duplicates 11, rejected 0, DIFFERING DUPLICATES 1"))
-      << run.record.finished;  // the twelfth comes after the end
+  EXPECT_TRUE(Contains(run.record.finished, "duplicates 12, rejected 0, DIFFERING DUPLICATES 1"))
+      << run.record.finished;
 }
 
 TEST(CoordinatorTest, SamplesOfAnotherStartOfTheLearnerAreDropped) {

@@ -26,6 +26,8 @@ class RunFolderTest : public ::testing::Test {
 };
 
 TEST_F(RunFolderTest, TheIncarnationGrowsAtEachStart) {
+  std::filesystem::create_directories(Path());
+  std::ofstream(Path() + "/config.textproto") << "seed: 1\n";
   EXPECT_EQ(RunFolder(Path()).NextIncarnation(0), 1U);
   EXPECT_EQ(RunFolder(Path()).NextIncarnation(0), 2U);
   EXPECT_EQ(RunFolder(Path()).NextIncarnation(1), 3U);
@@ -54,17 +56,15 @@ TEST_F(RunFolderTest, ASecondLearnerIsRefusedNamingTheFirstUntilThatEnds) {
   EXPECT_NO_THROW(RunFolder{Path()});
 }
 
-TEST_F(RunFolderTest, OnlyAnUnusedFolderIsTakenBack) {
+TEST_F(RunFolderTest, AFolderThatWasNeverUsedVanishesWithItsHolder) {
+  RunFolder(Path()).NextIncarnation(0);
+  EXPECT_FALSE(std::filesystem::exists(Path()));
   {
     RunFolder folder(Path());
     folder.NextIncarnation(0);
     std::ofstream(folder.File("config.textproto")) << "seed: 1\n";
-    folder.RemoveIfUnused();
-    EXPECT_TRUE(std::filesystem::exists(folder.File("incarnation")));
-    std::filesystem::remove(folder.File("config.textproto"));
-    folder.RemoveIfUnused();
   }
-  EXPECT_FALSE(std::filesystem::exists(Path()));
+  EXPECT_TRUE(std::filesystem::exists(Path() + "/incarnation"));
 }
 
 TEST_F(RunFolderTest, AFolderThatCannotBeMadeIsNamed) {
