@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shlex
 import signal
 import subprocess
@@ -14,6 +15,8 @@ import progress
 
 RESTARTS = 5  # of one actor, after which it is given up
 TAIL = 20  # lines of a log shown when its process failed
+SERIOUS = re.compile(rb" (warning|error|critical): ")  # lines of the learner's log shown at once
+COMPLAINTS = 20  # so many of them at most
 # Updates and checkpoints end within seconds; a learner that takes longer than this hangs.
 LEARNER_STOP = ((signal.SIGINT, 60.0), (signal.SIGTERM, 10.0), (signal.SIGKILL, 10.0))
 ACTOR_STOP = ((signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
@@ -46,6 +49,7 @@ class Session:
         self._started = None  # the learner's word that it accepted the run
         self._finished = {}  # its last word
         self._early, self._log = [], None
+        self._complaints = 0
         self._actors = []
         self._stop_signal = None
         self._failed = False
@@ -114,7 +118,7 @@ class Session:
         logs.mkdir(parents=True, exist_ok=True)
         self._log = open(logs / "learner.log", "ab", buffering=0)
         for line in self._early:
-            self._log.write(line + b"\n")
+            self._keep(line)
         self._actors = [Actor(i, logs / f"actor-{i}.log") for i in range(self._options.actors)]
         self._view.note(
             f"run {self._options.run}: learner and {len(self._actors)} actors; "
@@ -127,10 +131,21 @@ class Session:
             )
 
     def _on_log(self, line):
-        if self._log:
-            self._log.write(line + b"\n")
-        else:
+        if not self._log:
             self._early.append(line)
+            return
+        self._keep(line)
+        if SERIOUS.search(line) and self._complaints < COMPLAINTS:
+            self._complaints += 1
+            self._view.note(line.decode(errors="replace"))
+            if self._complaints == COMPLAINTS:
+                self._view.note("further warnings and errors go to the learner's log alone")
+
+    def _keep(self, line):
+        try:
+            self._log.write(line + b"\n")
+        except OSError:  # a full disk costs log lines, never the run
+            pass
 
     # Actors.
 
