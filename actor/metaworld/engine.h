@@ -28,7 +28,8 @@ class EngineError : public std::runtime_error {
 };
 
 /// Sets MuJoCo's process-wide hooks, once: errors become EngineError, warnings go to the log
-/// (instead of MUJOCO_LOG.TXT), and 2.2.2 gets its weld correction. Thread-safe, idempotent.
+/// (instead of MUJOCO_LOG.TXT), and 2.2.2 gets its weld correction and its culling. Thread-safe,
+/// idempotent.
 void InitialiseEngine();
 
 /// A compiled scene, loaded once a process and shared by all its environments, each of which steps

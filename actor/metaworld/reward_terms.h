@@ -71,8 +71,8 @@ struct CagingShape {
 /// @param gripper  action[3] as given, not clipped.
 Scalar Caging(const CagingState& state, const CagingShape& shape, float gripper);
 
-/// Euclidean length, summed in order with fused multiply-adds: as numpy's linear algebra does on the
-/// processors that we build for, hence equal to the official numbers to the bit.
+/// Euclidean length, summed in order with fused multiply-adds: as numpy's linear algebra does on
+/// the processors that we build for, hence equal to the official numbers to the bit.
 template <class Vector>
 double Norm(const Eigen::MatrixBase<Vector>& v) {
   double sum = 0;

@@ -5,11 +5,11 @@
 #include <stdexcept>
 
 #include "actor/metaworld/assets.h"
+#include "actor/metaworld/control_step.h"
 
 namespace metronome::metaworld {
 namespace {
 
-constexpr int kFrameSkip = 5;            // physics steps per control step
 constexpr int kHandInitialisation = 50;  // control steps
 constexpr float kActionScale = 0.01F;    // metres of mocap motion per unit of action
 constexpr int kObjectQpos = 9;  // the object's free joint follows 7 arm and 2 finger joints
@@ -78,7 +78,7 @@ void SawyerEnvironment::InitialiseHand(mjModel& model, mjData& data) const {
     std::copy(kMocapQuaternion.begin(), kMocapQuaternion.end(), data.mocap_quat + 4 * mocap_);
     data.ctrl[0] = -1;
     data.ctrl[1] = 1;
-    for (int k = 0; k < kFrameSkip; ++k) mj_step(&model, &data);
+    for (int k = 0; k < kPhysicsSteps; ++k) mj_step(&model, &data);
   }
 }
 
@@ -99,9 +99,12 @@ StepResult SawyerEnvironment::Step(const Action& action) {
   MoveMocap(action);
   data_->ctrl[0] = action[3];
   data_->ctrl[1] = -action[3];
-  Substeps();
+  // Some task may have left its reset without mj_forward, or with edits after it.
+  if (steps_ == 0)
+    ControlStep(*model_, *data_);
+  else
+    ControlStepAfterForward(*model_, *data_);
   ++steps_;
-  mj_forward(model_.get(), data_.get());
   return Conclude(action);
 }
 
@@ -116,7 +119,7 @@ void SawyerEnvironment::MoveMocap(const Action& action) {
 }
 
 void SawyerEnvironment::Substeps() {
-  for (int k = 0; k < kFrameSkip; ++k) mj_step(model_.get(), data_.get());
+  for (int k = 0; k < kPhysicsSteps; ++k) mj_step(model_.get(), data_.get());
 }
 
 StepResult SawyerEnvironment::Conclude(const Action& action) {

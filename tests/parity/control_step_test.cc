@@ -1,0 +1,108 @@
+#include "actor/metaworld/control_step.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string>
+
+#include "actor/metaworld/assets.h"
+#include "actor/metaworld/culling.h"
+#include "actor/metaworld/engine.h"
+#include "actor/metaworld/task_table.h"
+#include "common/random.h"
+
+/// The shortcuts of a control step against the plain loop on the bare engine, bit by bit.
+namespace metronome::metaworld {
+namespace {
+
+bool SameBits(const mjtNum* a, const mjtNum* b, int count) {
+  return std::memcmp(a, b, count * sizeof(mjtNum)) == 0;
+}
+
+/// All that the next step, an observation or a reward can depend on.
+void ExpectSameState(const mjModel& m, const mjData& a, const mjData& b) {
+  ASSERT_TRUE(SameBits(a.qpos, b.qpos, m.nq)) << "qpos";
+  ASSERT_TRUE(SameBits(a.qvel, b.qvel, m.nv)) << "qvel";
+  ASSERT_TRUE(SameBits(a.qacc_warmstart, b.qacc_warmstart, m.nv)) << "warm start";
+  ASSERT_TRUE(SameBits(a.xpos, b.xpos, 3 * m.nbody)) << "body positions";
+  ASSERT_TRUE(SameBits(a.xquat, b.xquat, 4 * m.nbody)) << "body orientations";
+  ASSERT_TRUE(SameBits(a.geom_xmat, b.geom_xmat, 9 * m.ngeom)) << "geom orientations";
+  ASSERT_TRUE(SameBits(a.site_xpos, b.site_xpos, 3 * m.nsite)) << "site positions";
+  ASSERT_EQ(a.ncon, b.ncon);
+  ASSERT_EQ(a.nefc, b.nefc);
+  ASSERT_TRUE(SameBits(a.efc_force, b.efc_force, a.nefc)) << "constraint forces";
+  ASSERT_EQ(a.time, b.time);
+}
+
+class ControlStepTest : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    const auto scene = Scene::Load(DefaultAssetsPath(), FindTask(GetParam()).scene);
+    model_ = scene->CopyModel();
+    for (DataPtr* data : {&plain_, &fast_}) {
+      *data = scene->MakeData();
+      mj_resetData(model_.get(), data->get());
+      mj_forward(model_.get(), data->get());
+    }
+  }
+  void TearDown() override { SetCulling(true); }
+
+  /// Walks the hand about the table, low and among the objects for most of the time.
+  void Drive(mjData& data, int t) const {
+    RandomStream stream(RandomPurpose::kEvaluate, 21, 0, static_cast<std::uint64_t>(t / 12));
+    const std::array<double, 3> low = {-0.25, 0.45, 0.05}, high = {0.25, 0.9, 0.25};
+    for (int i = 0; i < 3; ++i) {
+      const double pull = i == 2 && t % 200 < 150 ? -0.006 : 0.0;
+      data.mocap_pos[i] =
+          std::clamp(data.mocap_pos[i] + 0.008 * stream.Normal() + pull, low[i], high[i]);
+    }
+    const std::array<double, 4> down = {1, 0, 1, 0};
+    std::copy(down.begin(), down.end(), data.mocap_quat);
+    data.ctrl[0] = 2 * stream.Uniform() - 1;
+    data.ctrl[1] = -data.ctrl[0];
+  }
+
+  ModelPtr model_;
+  DataPtr plain_, fast_;
+};
+
+TEST_P(ControlStepTest, ShortcutsGiveTheBitsOfThePlainLoopThroughHundredsOfContacts) {
+  int contacts = 0;
+  for (int t = 0; t < 600; ++t) {
+    SCOPED_TRACE("control step " + std::to_string(t));
+    Drive(*plain_, t);
+    Drive(*fast_, t);
+    SetCulling(false);
+    ControlStep(*model_, *plain_);
+    SetCulling(true);
+    ControlStepAfterForward(*model_, *fast_);
+    ExpectSameState(*model_, *plain_, *fast_);
+    if (HasFatalFailure()) return;
+    contacts += plain_->ncon;
+  }
+  EXPECT_GT(contacts, 300);
+}
+
+TEST_P(ControlStepTest, ABadStateIsResetAsByThePlainLoop) {
+  for (mjData* data : {plain_.get(), fast_.get()}) {
+    Drive(*data, 0);
+    data->qvel[3] = 1e30;
+  }
+  ControlStep(*model_, *plain_);
+  ControlStepAfterForward(*model_, *fast_);
+  EXPECT_EQ(fast_->warning[mjWARN_BADQVEL].number, plain_->warning[mjWARN_BADQVEL].number);
+  ExpectSameState(*model_, *plain_, *fast_);
+}
+
+INSTANTIATE_TEST_SUITE_P(Tasks, ControlStepTest,
+                         testing::Values("assembly", "bin-picking", "box-close", "push"),
+                         [](const auto& task) {
+                           std::string name = task.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace metronome::metaworld
