@@ -248,28 +248,33 @@ TEST_F(CheckpointStoreTest, RemovesWhatAKilledWriterLeft) {
   EXPECT_EQ(Names(), (std::vector<std::string>{"000001.ckpt", "latest"}));
 }
 
-TEST_F(CheckpointStoreTest, AFullDiskLeavesTheOldCheckpointAndNoRest) {
-  CheckpointStore store(folder_, 5);
-  store.Save(SmallCheckpoint(1));
-  const std::string before = ReadFile(folder_ + "/latest");
-  // In a child, because the limit cannot be raised again: no file may grow past 1000 bytes.
+/// Saves in a child in which no file may grow past 1000 bytes (the limit cannot be raised again).
+/// @return whether it failed with an error that names the file.
+bool SaveFailsOnAFullDisk(CheckpointStore& store, const Checkpoint& checkpoint,
+                          const std::string& file) {
   const pid_t child = fork();
-  ASSERT_GE(child, 0);
   if (child == 0) {
     signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{1000, 1000};
     setrlimit(RLIMIT_FSIZE, &limit);
     try {
-      store.Save(SmallCheckpoint(2));
+      store.Save(checkpoint);
     } catch (const std::system_error& error) {
-      const bool named = std::string(error.what()).find("000002.ckpt") != std::string::npos;
+      const bool named = std::string(error.what()).find(file) != std::string::npos;
       _exit(named && error.code() == std::errc::file_too_large ? 0 : 2);
     }
     _exit(1);
   }
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_EQ(status, 0) << "Save did not fail as it should";
+  int status = -1;
+  return waitpid(child, &status, 0) == child && status == 0;
+}
+
+TEST_F(CheckpointStoreTest, AFullDiskLeavesTheOldCheckpointAndNoRest) {
+  CheckpointStore store(folder_, 5);
+  store.Save(SmallCheckpoint(1));
+  const std::string before = ReadFile(folder_ + "/latest");
+  EXPECT_TRUE(SaveFailsOnAFullDisk(store, SmallCheckpoint(2), "000002.ckpt"));
+  EXPECT_TRUE(SaveFailsOnAFullDisk(store, SmallCheckpoint(1), "000001.ckpt"));
   EXPECT_EQ(Names(), (std::vector<std::string>{"000001.ckpt", "latest"}));
   EXPECT_EQ(ReadFile(folder_ + "/latest"), before);
 }
