@@ -60,6 +60,10 @@ class SawyerEnvironment : public Environment {
   /// As Reset, but never from the shared state after hand initialisation: for tests of it.
   Observation ResetAfresh(const RandVec& placement);
 
+  /// The physics as it stands, for measurements; valid as long as the environment.
+  [[nodiscard]] const mjModel& model() const { return *model_; }
+  [[nodiscard]] const mjData& data() const { return *data_; }
+
   /// Takes over what the recorded environment remembered of its reset. Call Reset first.
   /// @throws std::invalid_argument if a name or a size does not fit the scene.
   void Replay(const RecordedStart& start);

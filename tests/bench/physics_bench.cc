@@ -1,0 +1,166 @@
+/// The actor's loop against the bare engine, over the same episodes: the bare loop replays the
+/// actions that the actor's policy chose, from the same reset state, so both do the same physics.
+/// Items are control steps (five mj_step and one mj_forward each).
+#include <benchmark/benchmark.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "actor/metaworld/assets.h"
+#include "actor/metaworld/culling.h"
+#include "actor/metaworld/sawyer.h"
+#include "actor/rollout.h"
+#include "common/config.h"
+#include "common/snapshot.h"
+#include "common/task_names.h"
+#include "learner/trainer.h"
+
+namespace metronome {
+namespace {
+
+constexpr int kEpisodes = 4;  // different ones, played round and round
+
+RunConfig ConfigOf(const std::string& task) {
+  RunConfig config;
+  config.mutable_environment()->set_task(task);
+  return Resolve(config);
+}
+
+std::unique_ptr<metaworld::SawyerEnvironment> MakeEnvironmentOf(const std::string& task) {
+  metaworld::EnvironmentOptions options;
+  options.assets = metaworld::DefaultAssetsPath();
+  return metaworld::MakeSawyerEnvironment(task, options);
+}
+
+/// The untrained policy's episodes 0..kEpisodes-1 of a task: played once a process, then shared.
+struct Episodes {
+  explicit Episodes(const std::string& task)
+      : config(ConfigOf(task)), snapshot(SnapshotOf(Trainer::InitialState(config), config)) {
+    const auto environment = MakeEnvironmentOf(task);
+    const std::atomic<bool> cancel{false};
+    for (int i = 0; i < kEpisodes; ++i) {
+      episodes.push_back(*PlayEpisode(config, snapshot, std::uint64_t(i), *environment, cancel));
+    }
+  }
+
+  static const Episodes& Of(const std::string& task) {
+    static std::mutex mutex;
+    static std::map<std::string, Episodes> all;
+    const std::lock_guard lock(mutex);
+    return all.try_emplace(task, task).first->second;
+  }
+
+  RunConfig config;
+  PolicySnapshot snapshot;
+  std::vector<Episode> episodes;
+};
+
+/// A bare mjData at an episode's start, and the controls of its steps.
+class BareLoop {
+ public:
+  explicit BareLoop(const std::string& task) : environment_(MakeEnvironmentOf(task)) {
+    const Episodes& played = Episodes::Of(task);
+    for (int i = 0; i < kEpisodes; ++i) {
+      environment_->Reset(TrainingPlacement(played.config, std::uint64_t(i)));
+      starts_.emplace_back(mj_copyData(nullptr, &environment_->model(), &environment_->data()));
+      models_.emplace_back(mj_copyModel(nullptr, &environment_->model()));
+    }
+  }
+
+  void Start(int episode) {
+    model_ = models_[std::size_t(episode)].get();
+    data_ = starts_[std::size_t(episode)].get();
+    saved_.reset(mj_copyData(saved_.release(), model_, data_));
+  }
+
+  /// The controls of one action, then the engine alone.
+  void Step(const float* action) {
+    for (int i = 0; i < 3; ++i) {
+      data_->mocap_pos[i] += std::clamp(action[i], -1.0F, 1.0F) * 0.01F;
+    }
+    data_->mocap_pos[2] = std::max(data_->mocap_pos[2], 0.05);
+    data_->ctrl[0] = action[3];
+    data_->ctrl[1] = -action[3];
+    for (int k = 0; k < 5; ++k) mj_step(model_, data_);
+    mj_forward(model_, data_);
+  }
+
+  /// Puts the episode's start back.
+  void Finish() { mj_copyData(data_, model_, saved_.get()); }
+
+ private:
+  std::unique_ptr<metaworld::SawyerEnvironment> environment_;
+  std::vector<metaworld::ModelPtr> models_;
+  std::vector<metaworld::DataPtr> starts_;
+  metaworld::DataPtr saved_;
+  mjModel* model_ = nullptr;
+  mjData* data_ = nullptr;
+};
+
+void Bare(benchmark::State& state, const std::string& task) {
+  const Episodes& played = Episodes::Of(task);
+  BareLoop loop(task);
+  int next = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    const Episode& episode = played.episodes[std::size_t(next)];
+    loop.Start(next);
+    state.ResumeTiming();
+    for (std::int32_t t = 0; t < episode.length(); ++t) {
+      loop.Step(episode.action.data() + std::size_t(t) * kActionSize);
+    }
+    state.PauseTiming();
+    loop.Finish();
+    next = (next + 1) % kEpisodes;
+    state.ResumeTiming();
+  }
+  state.SetItemsProcessed(state.iterations() * played.config.environment().horizon());
+}
+
+void Actor(benchmark::State& state, const std::string& task) {
+  const Episodes& played = Episodes::Of(task);
+  const auto environment = MakeEnvironmentOf(task);
+  const std::atomic<bool> cancel{false};
+  std::uint64_t next = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        PlayEpisode(played.config, played.snapshot, next, *environment, cancel));
+    next = (next + 1) % kEpisodes;
+  }
+  state.SetItemsProcessed(state.iterations() * played.config.environment().horizon());
+}
+
+void Register() {
+  for (const std::string& task : TaskNames()) {
+    for (const int threads : {1, 2}) {
+      // The bare engine is the engine as it comes: without our test before its collision functions.
+      benchmark::RegisterBenchmark(("bare/" + task).c_str(), Bare, task)
+          ->Setup([](const benchmark::State&) { metaworld::SetCulling(false); })
+          ->Teardown([](const benchmark::State&) { metaworld::SetCulling(true); })
+          ->Threads(threads)
+          ->UseRealTime()
+          ->Unit(benchmark::kMillisecond);
+      benchmark::RegisterBenchmark(("actor/" + task).c_str(), Actor, task)
+          ->Threads(threads)
+          ->UseRealTime()
+          ->Unit(benchmark::kMillisecond);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace metronome
+
+int main(int argc, char** argv) {
+  metronome::Register();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
