@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
-#include <regex>
+#include <optional>
 #include <system_error>
 #include <vector>
 
@@ -93,6 +93,22 @@ std::vector<Owner> Groups() {
   return groups;
 }
 
+/// What stands between the literal pieces that `text` is made of; std::nullopt if it is not.
+std::optional<std::vector<std::string>> Holes(const std::string& text,
+                                              const std::vector<std::string>& pieces) {
+  if (!text.starts_with(pieces.front()) || !text.ends_with(pieces.back())) return std::nullopt;
+  std::vector<std::string> holes;
+  std::size_t begin = pieces.front().size();
+  for (std::size_t i = 1; i < pieces.size(); ++i) {
+    const bool last = i + 1 == pieces.size();
+    const std::size_t end = last ? text.size() - pieces[i].size() : text.find(pieces[i], begin);
+    if (end == std::string::npos || end < begin) return std::nullopt;
+    holes.push_back(text.substr(begin, end - begin));
+    begin = end + pieces[i].size();
+  }
+  return holes;
+}
+
 std::string UnknownFieldMessage(const std::string& type_name, const std::string& field) {
   for (const Owner& group : Groups()) {
     if (group.type->full_name() != type_name) continue;
@@ -132,17 +148,19 @@ class FirstError : public google::protobuf::io::ErrorCollector {
 
  private:
   [[nodiscard]] std::string Explain(int line, int column, const std::string& message) const {
-    static const std::regex no_field("Message type \"(.*)\" has no field named \"(.*)\"\\.");
-    static const std::regex no_value("Unknown enumeration value of \"(.*)\" for field \"(.*)\"\\.");
-    static const std::regex bad_bool("Invalid value for boolean field .*Value: \"(.*)\"\\.");
-    static const std::regex twice("Non-repeated field \"(.*)\" is specified multiple times\\.");
-    std::smatch part;
-    if (std::regex_match(message, part, no_field))
-      return source_.AtWord(part[2], line, column) + ": " + UnknownFieldMessage(part[1], part[2]);
-    if (std::regex_match(message, part, no_value))
-      return source_.AtWord(part[1], line, column) + ": " + UnknownEnumMessage(part[1], part[2]);
-    if (std::regex_match(message, part, bad_bool) || std::regex_match(message, part, twice))
-      return source_.AtWord(part[1], line, column) + ": " + message;
+    if (const auto part = Holes(message, {"Message type \"", "\" has no field named \"", "\"."}))
+      return source_.AtWord(part->back(), line, column) + ": " +
+             UnknownFieldMessage(part->front(), part->back());
+    if (const auto part =
+            Holes(message, {"Unknown enumeration value of \"", "\" for field \"", "\"."}))
+      return source_.AtWord(part->front(), line, column) + ": " +
+             UnknownEnumMessage(part->front(), part->back());
+    if (const auto part =
+            Holes(message, {"Invalid value for boolean field \"", "\". Value: \"", "\"."}))
+      return source_.AtWord(part->back(), line, column) + ": " + message;
+    if (const auto part =
+            Holes(message, {"Non-repeated field \"", "\" is specified multiple times."}))
+      return source_.AtWord(part->front(), line, column) + ": " + message;
     return source_.At(line, column) + ": " + message;
   }
 
