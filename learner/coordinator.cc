@@ -213,6 +213,8 @@ void Coordinator::FinishUpdateIfDone() {
     return;
   }
   collector_.CountEntered(*batch);
+  // Without overlap nothing could be ordered meanwhile: that is no idleness of collecting.
+  if (setup_.rules.overlap == 0) collector_.TakeIdleShare(now_());
   collector_.Publish(++version_, now_());
   PublishState(false);
   const TrainState state = CopyState();
@@ -259,7 +261,7 @@ WallReport Coordinator::WallReportOf(const UpdateOutcome& outcome) {
   wall.seconds = setup_.seconds_before + SecondsBetween(serving_since_, now);
   wall.collect_seconds = outcome.collect_seconds;
   wall.update_seconds = outcome.seconds;
-  wall.idle_share = collector_.TakeIdleShare(now);
+  wall.idle_share = outcome.idle_share;
   wall.bytes_sent = bus_.bytes_sent();
   wall.bytes_received = bus_.bytes_received();
   wall.actors = collector_.actors();

@@ -60,7 +60,8 @@ class Coordinator {
   struct UpdateOutcome {
     UpdateReport report;
     double collect_seconds = 0;
-    double seconds = 0;
+    double idle_share = 0;  // while the batch was collected
+    double seconds = 0;     // of the update
     std::exception_ptr error;
   };
 

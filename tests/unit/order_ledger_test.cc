@@ -172,6 +172,28 @@ TEST(OrderLedgerTest, NothingIsLateBeforeThreeMediansHavePassed) {
   EXPECT_TRUE(ledger.Plan(At(1201)).empty());  // it is not late at its second player
 }
 
+TEST(OrderLedgerTest, WaitingInAnActorsQueueIsNotPlaying) {
+  OrderLedger ledger(Rules(20, 1));
+  ledger.Join(1, "steady", 1, At(0));
+  ledger.Plan(At(0));
+  for (const std::uint64_t number : {0, 1}) {
+    const int now = 400 * int(number + 1);
+    Bring(ledger, number, 1, now);
+    ledger.Plan(At(now));
+  }
+  // Both took 400 ms; number 2, sent at 400, has been played since 800 only.
+  EXPECT_EQ(*ledger.NextDeadline(At(800)), At(800 + 3 * 400));
+}
+
+TEST(OrderLedgerTest, ALateOrderIsNotGivenToTheOneThatPlaysItAlready) {
+  OrderLedger ledger(Rules(2, 1));
+  ledger.Join(1, "two slots", 2, At(0));
+  EXPECT_EQ(AllNumbers(ledger.Plan(At(0))), (Numbers{0, 1}));
+  Bring(ledger, 1, 1, 400);
+  EXPECT_TRUE(ledger.Plan(At(3599)).empty());
+  EXPECT_EQ(NumbersOf(ledger.Plan(At(3600)), 1), (Numbers{0}));  // nine medians: it is lost
+}
+
 TEST(OrderLedgerTest, ASampleLostOnTheWayIsOrderedAgainEvenFromTheOnlyActor) {
   OrderLedger ledger(Rules(3, 1));
   ledger.Join(1, "only", 1, At(0));
