@@ -57,7 +57,8 @@ void CheckEpisodeSizes(const Episode& episode) {
 std::uint32_t SnapshotChecksum(const PolicySnapshot& snapshot) {
   uLong crc = crc32(0, nullptr, 0);
   const auto add = [&crc](const void* data, std::size_t bytes) {
-    crc = crc32_z(crc, static_cast<const Bytef*>(data), bytes);
+    // A null pointer, which empty arrays may have, would mean "start anew" to zlib.
+    if (bytes > 0) crc = crc32_z(crc, static_cast<const Bytef*>(data), bytes);
   };
   add(&snapshot.version, sizeof snapshot.version);
   for (const auto* array :

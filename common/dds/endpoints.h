@@ -93,6 +93,13 @@ class Reader {
     } while (true);
   }
 
+  /// What to say of a writer that was turned away for its quality of service.
+  [[nodiscard]] BadSample Incompatible() const {
+    return {profile_.name,
+            "a peer offers another quality of service and is not heard: is it built from other "
+            "sources?"};
+  }
+
  private:
   Taken<Message> Open(const Envelope<Wire>& envelope, const fdds::InstanceHandle_t& writer) const {
     Taken<Message> taken{BadSample{profile_.name, envelope.error}, envelope.header,

@@ -42,7 +42,6 @@ class DdsLearnerBus final : public LearnerBus {
   std::optional<LearnerEvent> Next() {
     const std::lock_guard lock(next_mutex_);
     if (inbox_.TakeWoken()) return Woken{};
-    if (const auto id = status_watch_.NextLost()) return ActorLost{*id};
     if (auto event = NextRival()) return event;
     if (auto event = NextStatus()) return event;
     if (auto taken = episodes_.Take()) {
@@ -65,7 +64,7 @@ class DdsLearnerBus final : public LearnerBus {
   }
 
   std::optional<LearnerEvent> NextStatus() {
-    while (auto taken = statuses_.Take()) {
+    if (auto taken = statuses_.Take()) {
       if (taken->foreign_version) {
         ActorStatus foreign;  // the caller refuses it, both versions named
         foreign.protocol_version = taken->header.protocol_version;
@@ -75,8 +74,11 @@ class DdsLearnerBus final : public LearnerBus {
       }
       if (auto* bad = std::get_if<BadSample>(&taken->content)) return std::move(*bad);
       auto& status = std::get<ActorStatus>(taken->content);
-      if (status_watch_.Saw(taken->writer, status.actor_id)) return std::move(status);
+      status_watch_.Saw(taken->writer, status.actor_id);
+      return std::move(status);
     }
+    if (const auto id = status_watch_.NextLost()) return ActorLost{*id};
+    if (status_watch_.TakeIncompatible()) return statuses_.Incompatible();
     return std::nullopt;
   }
 

@@ -6,15 +6,15 @@ LearnerSightings::LearnerSightings(Participant* participant, WriterWatch* watch)
     : participant_(participant), watch_(watch), reader_(participant, kRunDescriptionTopic, watch) {}
 
 std::optional<LearnerSightings::Event> LearnerSightings::Next() {
-  if (const auto id = watch_->NextLost()) return LearnerGone{*id};
   while (auto taken = reader_.Take()) {
-    if (participant_->Owns(taken->writer)) continue;
-    if (auto event = Open(*std::move(taken))) return event;
+    if (!participant_->Owns(taken->writer)) return Open(*std::move(taken));
   }
+  if (const auto id = watch_->NextLost()) return LearnerGone{*id};
+  if (watch_->TakeIncompatible()) return reader_.Incompatible();
   return std::nullopt;
 }
 
-std::optional<LearnerSightings::Event> LearnerSightings::Open(Taken<RunDescription> taken) {
+LearnerSightings::Event LearnerSightings::Open(Taken<RunDescription> taken) {
   if (taken.foreign_version) {
     RunDescription foreign;
     foreign.protocol_version = taken.header.protocol_version;
@@ -24,7 +24,7 @@ std::optional<LearnerSightings::Event> LearnerSightings::Open(Taken<RunDescripti
   }
   if (auto* bad = std::get_if<BadSample>(&taken.content)) return *bad;
   const auto& description = std::get<RunDescription>(taken.content);
-  if (!watch_->Saw(taken.writer, description.learner_id)) return std::nullopt;
+  watch_->Saw(taken.writer, description.learner_id);
   return description;
 }
 

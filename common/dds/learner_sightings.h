@@ -27,7 +27,7 @@ class LearnerSightings {
   std::optional<Event> Next();
 
  private:
-  std::optional<Event> Open(Taken<RunDescription> taken);
+  Event Open(Taken<RunDescription> taken);
 
   Participant* const participant_;
   WriterWatch* const watch_;

@@ -1,12 +1,17 @@
 #include "common/dds/peer_watch.h"
 
+#include <utility>
+
 namespace metronome::dds {
 
-bool WriterWatch::Saw(const fdds::InstanceHandle_t& writer, std::uint64_t id) {
+void WriterWatch::Saw(const fdds::InstanceHandle_t& writer, std::uint64_t id) {
   const std::lock_guard lock(mutex_);
-  if (dead_.count(writer) > 0) return false;
-  peers_[writer] = id;
-  return true;
+  std::erase(lost_, id);
+  if (dead_.count(writer) > 0) {
+    lost_.push_back(id);
+  } else {
+    peers_[writer] = id;
+  }
 }
 
 void WriterWatch::Drained() {
@@ -20,6 +25,11 @@ std::optional<std::uint64_t> WriterWatch::NextLost() {
   const std::uint64_t id = lost_.front();
   lost_.pop_front();
   return id;
+}
+
+bool WriterWatch::TakeIncompatible() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(incompatible_, false);
 }
 
 std::optional<ParticipantKey> WriterWatch::ProcessOf(std::uint64_t id) const {
@@ -46,6 +56,15 @@ void WriterWatch::on_subscription_matched(fdds::DataReader* /*reader*/,
     if (peer == peers_.end()) return;
     lost_.push_back(peer->second);
     peers_.erase(peer);
+  }
+  inbox_->Notify();
+}
+
+void WriterWatch::on_requested_incompatible_qos(
+    fdds::DataReader* /*reader*/, const fdds::RequestedIncompatibleQosStatus& /*status*/) {
+  {
+    const std::lock_guard lock(mutex_);
+    incompatible_ = true;
   }
   inbox_->Notify();
 }

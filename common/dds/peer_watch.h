@@ -22,19 +22,23 @@ class WriterWatch final : public fdds::DataReaderListener {
  public:
   explicit WriterWatch(Inbox* inbox) : inbox_(inbox) {}
 
-  /// A sample of peer `id` was taken. @return false if its writer is already gone, in which case
-  /// the sample is a ghost's and should be dropped.
-  bool Saw(const fdds::InstanceHandle_t& writer, std::uint64_t id);
+  /// A sample of peer `id` was taken. If its writer is gone already, the peer is lost after it.
+  void Saw(const fdds::InstanceHandle_t& writer, std::uint64_t id);
   /// The reader has no sample left, so none of a writer that left either.
   void Drained();
-  /// The id of a peer that is gone, each once; oldest first.
+  /// The id of a peer that is gone; oldest first. Ask after its samples were taken: they come
+  /// first, so that a peer's last words are heard.
   std::optional<std::uint64_t> NextLost();
+  /// Whether a writer was turned away for its quality of service since this last returned true.
+  bool TakeIncompatible();
   /// The process that wrote the last sample seen of the peer, while it lives.
   std::optional<ParticipantKey> ProcessOf(std::uint64_t id) const;
 
   void on_data_available(fdds::DataReader* reader) override;
   void on_subscription_matched(fdds::DataReader* reader,
                                const fdds::SubscriptionMatchedStatus& status) override;
+  void on_requested_incompatible_qos(fdds::DataReader* reader,
+                                     const fdds::RequestedIncompatibleQosStatus& status) override;
 
  private:
   Inbox* const inbox_;
@@ -42,6 +46,7 @@ class WriterWatch final : public fdds::DataReaderListener {
   std::map<fdds::InstanceHandle_t, std::uint64_t> peers_;  // alive writers that were heard
   std::set<fdds::InstanceHandle_t> dead_;                  // writers whose samples may be left over
   std::deque<std::uint64_t> lost_;  // at most one entry a writer that was heard
+  bool incompatible_ = false;
 };
 
 /// Which processes read what one writer writes. Thread-safe.

@@ -194,6 +194,31 @@ TEST(DdsBusTest, LearnerThatLeavesAndItsSuccessorAreSeen) {
   EXPECT_EQ(Next<RunDescription>(*actor), successor);
 }
 
+TEST(DdsBusTest, LastWordsOfALearnerComeBeforeItsLoss) {
+  const BusOptions options = FreshRun();
+  const auto actor = MakeDdsActorBus(options, 11);
+  RunDescription description = SomeDescription(1, options.run_name);
+  {
+    const auto learner = MakeDdsLearnerBus(options);
+    learner->Publish(description);
+    ASSERT_TRUE(Next<RunDescription>(*actor));
+    description.finished = true;
+    learner->Publish(description);
+  }
+  // While the actor looks elsewhere, the learner leaves and another one comes.
+  const auto successor = MakeDdsLearnerBus(options);
+  for (const auto deadline = Soon(); Clock::now() < deadline;) {
+    actor->Send(SomeStatus(11));
+    if (Next<ActorStatus>(*successor, Clock::now() + std::chrono::milliseconds(100))) break;
+  }
+  const auto first = actor->Wait(Soon());
+  ASSERT_TRUE(first && std::holds_alternative<RunDescription>(*first));
+  EXPECT_EQ(std::get<RunDescription>(*first), description);
+  const auto second = actor->Wait(Soon());
+  ASSERT_TRUE(second && std::holds_alternative<LearnerLost>(*second));
+  EXPECT_EQ(std::get<LearnerLost>(*second).learner_id, 1);
+}
+
 TEST(DdsBusTest, RivalLearnersSeeEachOtherComeAndGoButNeverThemselves) {
   const BusOptions options = FreshRun();
   const auto learner = MakeDdsLearnerBus(options);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "common/dds/dds_bus.h"
 #include "common/dds/endpoints.h"
 #include "common/dds/participant_qos.h"
 #include "tests/integration/dds_fixture.h"
@@ -62,6 +63,21 @@ TEST(DdsQosTest, ParticipantsAreLostAfterTheirLease) {
   const auto& discovery = qos.wire_protocol().builtin.discovery_config;
   EXPECT_EQ(discovery.leaseDuration, eprosima::fastrtps::Duration_t(2.5));
   EXPECT_EQ(discovery.leaseDuration_announcementperiod, eprosima::fastrtps::Duration_t(0.5));
+}
+
+TEST(DdsQosTest, PeerOfAnotherQualityOfServiceIsReported) {
+  const BusOptions options = FreshRun();
+  const auto learner = MakeDdsLearnerBus(options);
+  const auto actor = MakeDdsActorBus(options, 11);
+  dds::TopicProfile forgetful = dds::kRunDescriptionTopic;
+  forgetful.transient_local = false;
+  dds::Participant stranger(options, "stranger");
+  stranger.MakeWriter<wire::RunDescriptionPubSubType>(forgetful, nullptr);
+  for (const auto& bad : {Next<BadSample>(*learner), Next<BadSample>(*actor)}) {
+    ASSERT_TRUE(bad);
+    EXPECT_EQ(bad->topic, dds::kRunDescriptionTopic.name);
+    EXPECT_NE(bad->reason.find("quality of service"), std::string::npos);
+  }
 }
 
 TEST(DdsQosTest, ContentFilterLetsOnlyTheActorsOwnOrdersThrough) {
