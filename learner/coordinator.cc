@@ -179,10 +179,10 @@ void Coordinator::StartUpdateIfReady() {
   }
   updating_ = collector_.Take(version_);
   const std::uint64_t orderable_since = version_ - std::min(version_, setup_.rules.overlap);
-  const double collecting = SecondsBetween(published_.lower_bound(orderable_since)->second, now_());
-  background_.Start([this, collecting, batch = updating_] {
-    UpdateOutcome outcome;
-    outcome.collect_seconds = collecting;
+  UpdateOutcome begun;
+  begun.collect_seconds = SecondsBetween(published_.lower_bound(orderable_since)->second, now_());
+  begun.idle_share = collector_.TakeIdleShare(now_());
+  background_.Start([this, outcome = std::move(begun), batch = updating_]() mutable {
     const TimePoint begin = now_();
     try {
       outcome.report = learning_.Update(*batch);

@@ -128,6 +128,19 @@ TEST(CoordinatorTest, AFinishedRunThatIsResumedEndsAtOnce) {
   EXPECT_TRUE(Contains(run.record.finished, "12 of 12"));
 }
 
+TEST(CoordinatorTest, WallClockFactsAreOfTheBatchsOwnCollection) {
+  FakeRun run;
+  run.setup.seconds_before = 100;
+  run.AddActor(1);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ASSERT_EQ(run.record.walls.size(), 3U);
+  const WallReport& wall = run.record.walls[1];
+  EXPECT_NEAR(wall.collect_seconds, 0.4, 1e-9);  // four episodes of 100 ms in one slot
+  EXPECT_EQ(wall.idle_share, 0) << "the second of the update before is no idleness of collecting";
+  EXPECT_NEAR(wall.seconds, 100 + 0.001 + 0.4 + 1 + 0.4 + 1, 1e-9);
+  EXPECT_EQ(wall.slots, 1U);
+}
+
 TEST(CoordinatorTest, AKilledActorsEpisodesAreOrderedFromTheOthers) {
   FakeRun run;
   run.AddActor(1);

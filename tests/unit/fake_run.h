@@ -76,7 +76,8 @@ class FakeRecord final : public RunRecord {
   }
   [[nodiscard]] std::string LatestCheckpoint() const override { return "checkpoint"; }
   void Started(const TrainState& state) override { started_at = state.version; }
-  void Updated(const UpdateReport& report, const WallReport&) override {
+  void Updated(const UpdateReport& report, const WallReport& wall) override {
+    walls.push_back(wall);
     updates.push_back(report.version);
   }
   void Finished(const TrainState&, const std::string& accounting) override {
@@ -91,6 +92,7 @@ class FakeRecord final : public RunRecord {
   std::vector<TrainState> saved;
   std::vector<std::size_t> orders_before_save;
   std::vector<std::uint64_t> updates;
+  std::vector<WallReport> walls;
   std::string finished;
 
  private:
