@@ -41,9 +41,6 @@ RunConfig Resolve(RunConfig config) {
     ppo.set_minibatch(
         static_cast<std::int32_t>(std::clamp<std::int64_t>(batch, 1, kDefaultMinibatch)));
   }
-  if (!ppo.has_entropy_coefficient_final()) {
-    ppo.set_entropy_coefficient_final(ppo.entropy_coefficient());
-  }
   return config;
 }
 

@@ -143,11 +143,8 @@ struct Trainer::Impl {
     const double left = std::max(0.0, 1 - double(state.steps) / double(config.total_steps()));
     StepSettings settings;
     settings.learning_rate = ppo.learning_rate() * std::max(ppo.learning_rate_floor(), left);
-    const double final_entropy = ppo.has_entropy_coefficient_final()
-                                     ? ppo.entropy_coefficient_final()
-                                     : ppo.entropy_coefficient();
-    settings.entropy_coefficient =
-        final_entropy + (ppo.entropy_coefficient() - final_entropy) * left;
+    const double last = ppo.entropy_coefficient_final();
+    settings.entropy_coefficient = last + (ppo.entropy_coefficient() - last) * left;
     return settings;
   }
 

@@ -88,23 +88,21 @@ TEST(ResolveTest, DerivedDefaultsFollowWhatElseIsSet) {
   RunConfig config = Push();
   config.mutable_policy()->set_method(PPO_TIME);
   config.mutable_environment()->set_horizon(20);
-  config.mutable_ppo()->set_entropy_coefficient(0.25);
   config = Resolve(config);
   EXPECT_EQ(config.policy().heads(), 1);
   EXPECT_EQ(config.ppo().minibatch(), 320);
-  EXPECT_EQ(config.ppo().entropy_coefficient_final(), 0.25);
 }
 
 TEST(ResolveTest, KeepsWhatIsSetAndIsIdempotent) {
   RunConfig config = Push();
   SetField(config, "policy.hidden", "64,32,16");
   SetField(config, "policy.heads", "3");
-  SetField(config, "ppo.entropy_coefficient_final", "0");
+  SetField(config, "ppo.entropy_coefficient_final", "0.25");
   const RunConfig once = Resolve(config);
   EXPECT_EQ(FieldText(once.policy(), *PolicyConfig::descriptor()->FindFieldByName("hidden")),
             "64,32,16");
   EXPECT_EQ(once.policy().heads(), 3);
-  EXPECT_EQ(once.ppo().entropy_coefficient_final(), 0);
+  EXPECT_EQ(once.ppo().entropy_coefficient_final(), 0.25);
   EXPECT_EQ(PrintConfig(Resolve(once)), PrintConfig(once));
 }
 
