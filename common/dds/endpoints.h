@@ -35,7 +35,11 @@ class Writer {
     // Not write(void*): its bool merges a full history with a failed encode.
     const ReturnCode code = writer_->write(&envelope, fdds::HANDLE_NIL);
     if (code == ReturnCode::RETCODE_OK) return WriteResult::kWritten;
-    if (code == ReturnCode::RETCODE_TIMEOUT) return WriteResult::kFull;
+    // Of several threads that meet a full history, one waits for room and times out; the others
+    // find no sample left to wait with.
+    if (code == ReturnCode::RETCODE_TIMEOUT || code == ReturnCode::RETCODE_OUT_OF_RESOURCES) {
+      return WriteResult::kFull;
+    }
     throw std::runtime_error(std::string("writing ") + profile_.name + ": Fast DDS return code " +
                              std::to_string(code()));
   }

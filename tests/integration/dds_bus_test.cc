@@ -4,7 +4,9 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <set>
 #include <thread>
+#include <vector>
 
 #include "tests/integration/dds_fixture.h"
 
@@ -81,49 +83,58 @@ TEST_P(DdsBusTest, SnapshotOfAMillionParametersArrives) {
   EXPECT_EQ(Next<PolicySnapshot>(*actor), snapshot);
 }
 
-/// What the sending thread and the test tell each other.
+/// What the sending threads and the test tell each other.
 struct Progress {
   std::mutex mutex;
   std::condition_variable changed;
   std::size_t sent = 0;
 };
 
+/// Sends every step-th episode from `first` on.
+void SendEpisodes(ActorBus& actor, std::size_t first, std::size_t step, std::size_t end,
+                  Progress& progress) {
+  for (std::size_t number = first; number < end; number += step) {
+    EXPECT_EQ(actor.Send(SomeEpisode(number)), ActorBus::SendResult::kSent);
+    const std::lock_guard lock(progress.mutex);
+    ++progress.sent;
+    progress.changed.notify_all();
+  }
+}
+
 TEST_P(DdsBusTest, SlowLearnerHoldsActorsBackAndLosesNothing) {
-  constexpr std::size_t kEpisodes = 200;
+  constexpr std::size_t kEpisodes = 240;
+  constexpr std::size_t kThreads = 3;
   constexpr std::size_t kBacklog = 64;  // what a learner holds that has not asked yet
   const BusOptions options = FreshRun(GetParam());
   const auto learner = MakeDdsLearnerBus(options);
   const auto actor = MakeDdsActorBus(options, 11);
   ASSERT_TRUE(Join(*learner, *actor, 11));
   Progress progress;
-  std::thread sender([&] {
-    for (std::size_t number = 0; number < kEpisodes; ++number) {
-      EXPECT_EQ(actor->Send(SomeEpisode(number)), ActorBus::SendResult::kSent);
-      const std::lock_guard lock(progress.mutex);
-      ++progress.sent;
-      progress.changed.notify_all();
-    }
-  });
+  std::vector<std::thread> senders;
+  for (std::size_t first = 0; first < kThreads; ++first) {
+    senders.emplace_back(
+        [&, first] { SendEpisodes(*actor, first, kThreads, kEpisodes, progress); });
+  }
   {
     std::unique_lock lock(progress.mutex);
     EXPECT_TRUE(
         progress.changed.wait_until(lock, Soon(), [&] { return progress.sent > kBacklog; }));
+    // All senders meet the full history before the learner asks for anything.
+    progress.changed.wait_until(lock, Clock::now() + seconds(1),
+                                [&] { return progress.sent == kEpisodes; });
+    EXPECT_LT(progress.sent, kEpisodes) << "nothing held the senders back";
   }
-  std::size_t received = 0;
-  while (received < kEpisodes) {
+  std::set<std::uint64_t> received;
+  while (received.size() < kEpisodes) {
     const auto message = Next<EpisodeMessage>(*learner);
     if (!message) break;
-    if (received == 0) {
-      const std::lock_guard lock(progress.mutex);
-      EXPECT_LT(progress.sent, kEpisodes) << "nothing held the sender back";
-    }
-    EXPECT_EQ(message->episode.number, received);
-    EXPECT_EQ(message->episode, SomeEpisode(received).episode);
-    ++received;
+    const std::uint64_t number = message->episode.number;
+    EXPECT_TRUE(received.insert(number).second) << number << " came twice";
+    EXPECT_EQ(message->episode, SomeEpisode(number).episode);
   }
-  EXPECT_EQ(received, kEpisodes);
-  if (received < kEpisodes) actor->Close(std::chrono::milliseconds(0));
-  sender.join();
+  EXPECT_EQ(received.size(), kEpisodes);
+  if (received.size() < kEpisodes) actor->Close(std::chrono::milliseconds(0));
+  for (std::thread& sender : senders) sender.join();
 }
 
 INSTANTIATE_TEST_SUITE_P(Transports, DdsBusTest,
