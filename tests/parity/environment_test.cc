@@ -107,6 +107,7 @@ TEST_P(EnvironmentTest, ManyThreadsGiveTheBitsOfOne) {
   };
   for (int i = 0; i < kEpisodes; ++i) play(i, want);
   std::vector<std::thread> threads;
+  threads.reserve(kEpisodes);
   for (int i = 0; i < kEpisodes; ++i) threads.emplace_back(play, i, std::ref(got));
   for (std::thread& thread : threads) thread.join();
   for (int i = 0; i < kEpisodes; ++i) EXPECT_TRUE(SameBits(got[i], want[i])) << "episode " << i;

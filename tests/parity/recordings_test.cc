@@ -66,10 +66,10 @@ void ExpectSameSteps(const Trace& trace, const Recording& recording, double obse
 
 /// What another convex collision detector leaves of the agreement.
 void ExpectNear(const Trace& trace, const Recording& recording) {
-  std::vector<double> object;
+  std::vector<double> object(kHorizon);
   for (int t = 0; t < kHorizon; ++t)
-    object.push_back(
-        Distance(trace.steps[t].observation, recording.steps[t].returned->observation, 4, 7));
+    object[t] =
+        Distance(trace.steps[t].observation, recording.steps[t].returned->observation, 4, 7);
   std::nth_element(object.begin(), object.begin() + kHorizon / 2, object.end());
   EXPECT_LE(object[kHorizon / 2], 1e-2) << "median distance of the object, metres";
   EXPECT_LE(Distance(trace.steps[kHorizon - 1].observation,
