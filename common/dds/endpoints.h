@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -26,20 +27,19 @@ class Writer {
   Writer(Participant* participant, const TopicProfile& profile, fdds::DataWriterListener* listener)
       : profile_(profile), writer_(participant->MakeWriter<PubSubType>(profile, listener)) {}
 
-  /// Blocks at most the profile's max_blocking_time while the reliable history is full.
+  /// Blocks at most the writer's max_blocking_time while the reliable history is full, and while
+  /// other threads do.
   /// @throws Malformed for a message beyond the wire's bounds, std::runtime_error otherwise.
   template <class Message>
   WriteResult Write(const Message& message) {
     Envelope<Wire> envelope;
     envelope.value = ToWire(message);
+    // One at a time: threads that meet a full history together leak payloads inside Fast DDS 2.9.
+    const std::lock_guard lock(mutex_);
     // Not write(void*): its bool merges a full history with a failed encode.
     const ReturnCode code = writer_->write(&envelope, fdds::HANDLE_NIL);
     if (code == ReturnCode::RETCODE_OK) return WriteResult::kWritten;
-    // Of several threads that meet a full history, one waits for room and times out; the others
-    // find no sample left to wait with.
-    if (code == ReturnCode::RETCODE_TIMEOUT || code == ReturnCode::RETCODE_OUT_OF_RESOURCES) {
-      return WriteResult::kFull;
-    }
+    if (code == ReturnCode::RETCODE_TIMEOUT) return WriteResult::kFull;
     throw std::runtime_error(std::string("writing ") + profile_.name + ": Fast DDS return code " +
                              std::to_string(code()));
   }
@@ -55,6 +55,7 @@ class Writer {
 
  private:
   const TopicProfile profile_;
+  std::mutex mutex_;
   fdds::DataWriter* const writer_;
 };
 

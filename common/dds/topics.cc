@@ -9,7 +9,7 @@ using eprosima::fastrtps::Duration_t;
 // The default of 3 s would delay the last acknowledgement by as much.
 const Duration_t kHeartbeat{0, 50'000'000};
 // One try of write(); callers retry, so that closing is noticed.
-const Duration_t kMaxBlocking{0, 100'000'000};
+const Duration_t kMaxBlocking{0, 20'000'000};
 constexpr std::int32_t kMaxFilteredActors = 1024;  // beyond it actors filter for themselves
 
 /// Both sides share these: policies of equal type and meaning in writer and reader.

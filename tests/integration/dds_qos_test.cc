@@ -39,7 +39,7 @@ void ExpectQos(const dds::TopicProfile& profile, const Expected& expected) {
   ExpectShared(writer, expected, expected.writer_depth);
   EXPECT_EQ(writer.reliable_writer_qos().times.heartbeatPeriod,
             eprosima::fastrtps::Duration_t(0.05));
-  EXPECT_EQ(writer.reliability().max_blocking_time, eprosima::fastrtps::Duration_t(0.1));
+  EXPECT_EQ(writer.reliability().max_blocking_time, eprosima::fastrtps::Duration_t(0.02));
   const fdds::DataReaderQos reader =
       participant.MakeReader<PubSubType>(profile, nullptr)->get_qos();
   ExpectShared(reader, expected, expected.reader_depth);
