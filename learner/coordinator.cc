@@ -294,7 +294,12 @@ bool Coordinator::Save(const TrainState& state) {
 int Coordinator::End() {
   const TrainState state = CopyState();
   const bool saved = saved_version_ == state.version || Save(state);
-  if (!ending_) return saved ? EndFinished(state) : (Farewell(), kExitFailure);
+  if (!ending_ && !saved) {
+    spdlog::error("the run is finished, but its end is not on disk; make room and use --resume");
+    Farewell();
+    return kExitFailure;
+  }
+  if (!ending_) return EndFinished(state);
   if (saved) {
     spdlog::info("stopped after update {} of {}; the last good checkpoint is {}", state.version,
                  setup_.rules.updates_total, record_.LatestCheckpoint());

@@ -1,3 +1,4 @@
+#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <variant>
@@ -30,12 +31,21 @@ int Execute(const PrintConfigOptions& options) {
   return kExitFinished;
 }
 
+int Main(int argc, char** argv) {
+  const auto parsed = ParseLearnerCommand(argc, argv);
+  if (const int* status = std::get_if<int>(&parsed)) return *status;
+  return std::visit([](const auto& command) { return Execute(command); },
+                    std::get<LearnerCommand>(parsed));
+}
+
 }  // namespace
 }  // namespace metronome
 
 int main(int argc, char** argv) {
-  const auto parsed = metronome::ParseLearnerCommand(argc, argv);
-  if (const int* status = std::get_if<int>(&parsed)) return *status;
-  return std::visit([](const auto& command) { return metronome::Execute(command); },
-                    std::get<metronome::LearnerCommand>(parsed));
+  try {
+    return metronome::Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "metronome-learner: %s\n", error.what());
+    return metronome::kExitFailure;
+  }
 }

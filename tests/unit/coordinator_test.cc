@@ -180,7 +180,7 @@ TEST(CoordinatorTest, AnActorThatOnlySendsBadEpisodesIsRefusedByName) {
 
 TEST(CoordinatorTest, DuplicatesAreDroppedAndADifferingOneIsToldInTheAccounts) {
   FakeRun run;
-  run.AddActor(1).answer = [](EpisodeMessage message) {
+  run.AddActor(1).answer = [](const EpisodeMessage& message) {
     EpisodeMessage again = message;
     if (message.episode.number == 5) again.episode.reward[0] += 1;
     return std::vector{message, again};
@@ -377,7 +377,7 @@ TEST(CoordinatorTest, OfTwoEstablishedOnesTheHigherIdStopsWithACheckpoint) {
   run.bus.After(seconds(10), RivalSeen{Rival(FakeRun::kLearnerId - 1, true)});
   EXPECT_EQ(run.Run(), kExitRival);
   EXPECT_GT(run.record.saved.back().version, 0U);
-  EXPECT_EQ(run.record.saved.back().version, run.learning.state_.version);
+  EXPECT_EQ(run.record.saved.back().version, run.learning.current.version);
 }
 
 TEST(CoordinatorTest, AnEstablishedLearnerOutlastsALaterOne) {

@@ -21,17 +21,17 @@ using std::chrono::milliseconds;
 /// "Learning" that counts versions and keeps the numbers it was given.
 class FakeLearning final : public Learning {
  public:
-  [[nodiscard]] const TrainState& state() const override { return state_; }
+  [[nodiscard]] const TrainState& state() const override { return current; }
   UpdateReport Update(const std::vector<Episode>& batch) override {
-    if (fail_at == state_.version + 1) throw NonFiniteUpdate("the loss is nan");
+    if (fail_at == current.version + 1) throw NonFiniteUpdate("the loss is nan");
     for (const Episode& episode : batch) {
       learnt.push_back(episode.number);
       behaviour.push_back(episode.weights_version);
     }
-    ++state_.version;
-    state_.steps += batch.size() * 10;
+    ++current.version;
+    current.steps += batch.size() * 10;
     UpdateReport report;
-    report.version = state_.version;
+    report.version = current.version;
     return report;
   }
   [[nodiscard]] PolicySnapshot Snapshot(const TrainState& state) const override {
@@ -47,7 +47,7 @@ class FakeLearning final : public Learning {
     return std::nullopt;
   }
 
-  TrainState state_;
+  TrainState current;
   std::uint64_t fail_at = 0;
   std::vector<std::uint64_t> learnt;
   std::vector<std::uint64_t> behaviour;
@@ -143,8 +143,8 @@ class FakeRun {
   void Resume(std::uint64_t version) {
     setup.resumed = true;
     setup.rules.first_version = version;
-    learning.state_.version = version;
-    learning.state_.canonical_digest = "digest-1";
+    learning.current.version = version;
+    learning.current.canonical_digest = "digest-1";
   }
 
   int Run() {
