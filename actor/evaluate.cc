@@ -35,12 +35,16 @@ Float39 AsPolicySees(const metaworld::Observation& observation) {
 void Summarise(Evaluation& evaluation) {
   const auto count = static_cast<double>(evaluation.episodes.size());
   std::int64_t successes = 0;
+  std::int64_t successes_end = 0;
+  double returns = 0;
   for (const EvaluatedEpisode& episode : evaluation.episodes) {
     successes += episode.success ? 1 : 0;
-    evaluation.success_end += episode.success_end ? 1 / count : 0;
-    evaluation.mean_return += episode.episode_return / count;
+    successes_end += episode.success_end ? 1 : 0;
+    returns += episode.episode_return;
   }
   evaluation.success = static_cast<double>(successes) / count;
+  evaluation.success_end = static_cast<double>(successes_end) / count;
+  evaluation.mean_return = returns / count;
   WilsonInterval(successes, static_cast<std::int64_t>(evaluation.episodes.size()),
                  evaluation.success_low, evaluation.success_high);
 }
