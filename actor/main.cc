@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -128,12 +129,21 @@ int Execute(const TraceOptions& options) { return RunTrace(options, std::cout); 
 int Execute(const PlacementsOptions& options) { return RunPlacements(options, std::cout); }
 int Execute(const EvaluateOptions& options) { return RunEvaluate(options, std::cout, std::cerr); }
 
+int Main(int argc, char** argv) {
+  const auto parsed = ParseActorCommand(argc, argv);
+  if (const int* status = std::get_if<int>(&parsed)) return *status;
+  return std::visit([](const auto& command) { return Execute(command); },
+                    std::get<ActorCommand>(parsed));
+}
+
 }  // namespace
 }  // namespace metronome
 
 int main(int argc, char** argv) {
-  const auto parsed = metronome::ParseActorCommand(argc, argv);
-  if (const int* status = std::get_if<int>(&parsed)) return *status;
-  return std::visit([](const auto& command) { return metronome::Execute(command); },
-                    std::get<metronome::ActorCommand>(parsed));
+  try {
+    return metronome::Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "metronome-actor: %s\n", error.what());
+    return 1;
+  }
 }

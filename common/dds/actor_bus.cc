@@ -70,8 +70,7 @@ class DdsActorBus final : public ActorBus {
 
   template <class Content>
   static ActorEvent EventOf(Content content) {
-    return std::visit([](auto&& event) { return ActorEvent(std::move(event)); },
-                      std::move(content));
+    return std::visit([](auto& event) { return ActorEvent(std::move(event)); }, content);
   }
 
   const std::uint64_t actor_id_;

@@ -45,8 +45,8 @@ class DdsLearnerBus final : public LearnerBus {
     if (auto event = NextRival()) return event;
     if (auto event = NextStatus()) return event;
     if (auto taken = episodes_.Take()) {
-      return std::visit([](auto&& content) { return LearnerEvent(std::move(content)); },
-                        std::move(taken->content));
+      return std::visit([](auto& content) { return LearnerEvent(std::move(content)); },
+                        taken->content);
     }
     return std::nullopt;
   }

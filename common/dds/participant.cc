@@ -3,10 +3,14 @@
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 
-#include <algorithm>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/log/Log.hpp>
+#include <fastdds/dds/log/StdoutErrConsumer.hpp>
 #include <fastdds/dds/topic/ContentFilteredTopic.hpp>
+#include <memory>
+#include <mutex>
 #include <stdexcept>
+#include <utility>
 
 #include "common/dds/participant_qos.h"
 
@@ -26,6 +30,18 @@ void Check(const eprosima::fastrtps::types::ReturnCode_t& code, const std::strin
   }
 }
 
+/// Fast DDS reports its errors on standard output by default, which belongs to results.
+void SendLogToStandardError() {
+  using fdds::Log;
+  static std::once_flag once;
+  std::call_once(once, [] {
+    auto consumer = std::make_unique<fdds::StdoutErrConsumer>();
+    consumer->stderr_threshold(Log::Kind::Info);
+    Log::ClearConsumers();
+    Log::RegisterConsumer(std::move(consumer));
+  });
+}
+
 /// Buses of one process talk through the transport, so that tests see what machines see.
 void SwitchIntraprocessDeliveryOff() {
   eprosima::fastrtps::LibrarySettingsAttributes settings;
@@ -43,6 +59,7 @@ ParticipantKey ParticipantOf(const fdds::InstanceHandle_t& endpoint) {
 
 Participant::Participant(const BusOptions& options, const std::string& role) {
   CheckBusOptions(options);
+  SendLogToStandardError();
   SwitchIntraprocessDeliveryOff();
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   participant_ = Made(
@@ -68,7 +85,7 @@ void Participant::DeleteAll() {
   fdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
 
-fdds::Topic* Participant::MakeTopic(const TopicProfile& profile, fdds::TypeSupport type) {
+fdds::Topic* Participant::MakeTopic(const TopicProfile& profile, const fdds::TypeSupport& type) {
   if (fdds::TopicDescription* known = participant_->lookup_topicdescription(profile.name)) {
     return dynamic_cast<fdds::Topic*>(known);
   }

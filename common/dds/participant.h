@@ -61,7 +61,7 @@ class Participant {
     return MakeTopic(profile,
                      fdds::TypeSupport(new WireType<PubSubType>(profile.usual_bytes, traffic_)));
   }
-  fdds::Topic* MakeTopic(const TopicProfile& profile, fdds::TypeSupport type);
+  fdds::Topic* MakeTopic(const TopicProfile& profile, const fdds::TypeSupport& type);
   fdds::DataWriter* MakeWriter(fdds::Topic* topic, const TopicProfile& profile,
                                fdds::DataWriterListener* listener);
   fdds::DataReader* MakeReader(fdds::Topic* topic, const TopicProfile& profile,

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -21,9 +21,8 @@ class Peer {
     std::vector<std::string> words = {DDS_PEER, options.run_name, std::to_string(options.domain),
                                       options.transport == Transport::kUdp ? "udp" : "shm",
                                       std::to_string(actor_id)};
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
+    std::vector<char*> arguments(words.size() + 1, nullptr);
+    for (std::size_t i = 0; i < words.size(); ++i) arguments[i] = words[i].data();
     if (posix_spawn(&pid_, DDS_PEER, nullptr, nullptr, arguments.data(), environ) != 0) pid_ = -1;
   }
   ~Peer() { Kill(); }
