@@ -30,15 +30,16 @@ def train(stage, *options, actors=2, small=OPTIONS):
 
 
 def runs_of(stage):
-    """Process ids of all that still belong to this test's folder of runs or its domain."""
-    found = []
+    """Process ids and command lines of the learner and actors of this test's run `run`."""
+    found, domain = [], str(stage.domain)
     for entry in os.listdir("/proc"):
         try:
             with open(f"/proc/{entry}/cmdline", "rb") as file:
                 words = file.read().decode(errors="replace").split("\0")
         except OSError:
             continue
-        if "metronome-" in words[0] and str(stage.domain) in words:
+        options = set(zip(words, words[1:]))
+        if "metronome-" in words[0] and {("--run", "run"), ("--domain", domain)} <= options:
             found.append((entry, words))
     return found
 
