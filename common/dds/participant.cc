@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "common/dds/participant_qos.h"
+#include "idl/metronomeTypeObject.h"
 
 namespace metronome::dds {
 namespace {
@@ -61,6 +62,8 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
   CheckBusOptions(options);
   SendLogToStandardError();
   SwitchIntraprocessDeliveryOff();
+  // Content filters need the types' descriptions, which else come with the first sample made.
+  registermetronomeTypes();
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   participant_ = Made(
       factory->create_participant(options.domain, ParticipantQos(options, role)),
