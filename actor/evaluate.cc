@@ -75,9 +75,11 @@ Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
     }
   };
   const auto cores = static_cast<std::int32_t>(std::max(1U, std::thread::hardware_concurrency()));
-  const std::int32_t wanted = options.threads > 0 ? options.threads : cores;
+  const std::int32_t wanted =
+      std::min(options.threads > 0 ? options.threads : cores, options.episodes);
   std::vector<std::thread> threads;
-  for (std::int32_t i = 0; i < std::min(wanted, options.episodes); ++i) threads.emplace_back(work);
+  threads.reserve(static_cast<std::size_t>(wanted));
+  for (std::int32_t i = 0; i < wanted; ++i) threads.emplace_back(work);
   for (std::thread& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
   Summarise(evaluation);
