@@ -48,7 +48,7 @@ class Initialiser {
         Orthogonal(rows, slice.inputs, gain, {RandomPurpose::kInitialise, seed_, block_++, 0});
     for (std::int32_t r = 0; r < rows; ++r) {
       for (std::int32_t c = 0; c < slice.inputs; ++c) {
-        const auto row = static_cast<std::size_t>(first + r);
+        const std::size_t row = static_cast<std::size_t>(first) + static_cast<std::size_t>(r);
         parameters_[slice.weight + row * static_cast<std::size_t>(slice.inputs) +
                     static_cast<std::size_t>(c)] = static_cast<float>(weight(r, c));
       }
