@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -141,12 +142,28 @@ def _json(line):
         return {}
 
 
+def _claim_domain(name):
+    """A DDS domain that no other test of this machine uses: tests of several checkouts and builds
+    may run at once, and their runs have equal names. The claim is an abstract socket, which all
+    processes see that share these tests' network, and which ends with its process.
+    """
+    first = zlib.crc32(name.encode())
+    for attempt in range(100):
+        domain = 1 + (first + attempt) % 100
+        claim = socket.socket(socket.AF_UNIX)
+        try:
+            claim.bind(f"\0metronome-test-domain-{domain}")
+            return domain, claim
+        except OSError:
+            claim.close()
+    raise AssertionError("all of the 100 DDS domains for tests are in use")
+
+
 class Stage:
     """The processes of one test: their domain, their folder of runs, and their end."""
 
     def __init__(self, name, folder):
-        # Tests of several checkouts and builds may run at once on a machine.
-        self.domain = 1 + zlib.crc32(f"{os.getpid()} {name}".encode()) % 100
+        self.domain, self._claim = _claim_domain(f"{os.getpid()} {name}")
         self.runs = folder / "runs"
         self.processes = []
 
@@ -201,3 +218,4 @@ class Stage:
         for process in self.processes:
             if process.child.poll() is None:
                 process.kill()
+        self._claim.close()
