@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <map>
 
-#include "actor/metaworld/culling.h"
 #include "actor/metaworld/weld_correction.h"
 
 namespace metronome::metaworld {
@@ -47,7 +46,6 @@ void InitialiseEngine() {
     mju_user_error = ThrowError;
     mju_user_warning = LogWarning;
     InstallWeldCorrection();
-    SetCulling(true);
   });
 }
 

@@ -28,8 +28,7 @@ class EngineError : public std::runtime_error {
 };
 
 /// Sets MuJoCo's process-wide hooks, once: errors become EngineError, warnings go to the log
-/// (instead of MUJOCO_LOG.TXT), and 2.2.2 gets its weld correction and its culling. Thread-safe,
-/// idempotent.
+/// (instead of MUJOCO_LOG.TXT), and 2.2.2 gets its weld correction. Thread-safe, idempotent.
 void InitialiseEngine();
 
 /// A compiled scene, loaded once a process and shared by all its environments, each of which steps
@@ -45,7 +44,8 @@ class Scene {
   [[nodiscard]] DataPtr MakeData() const;
 
   /// The state that `settle` leaves, computed by the first caller and shared with all others.
-  /// @param settle  void(mjModel&, mjData&), starts from mj_resetData; must be the same function
+  /// @param settle  void(const mjModel&, mjData&), starts from mj_resetData; must be the same
+  /// function
   ///                for every caller of this scene. Thread-safe.
   template <class Settle>
   const mjData& Settled(const Settle& settle) {

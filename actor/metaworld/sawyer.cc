@@ -38,13 +38,14 @@ bool Inside(const RandVec& p, const RandVec& low, const RandVec& high) {
 
 SawyerEnvironment::SawyerEnvironment(const TaskSpec& task, const EnvironmentOptions& options,
                                      const HandSettings& hand)
-    : task_(task),
+    : scene_(
+          Scene::Load(options.assets.empty() ? DefaultAssetsPath() : options.assets, task.scene)),
+      model_(scene_->CopyModel()),
+      data_(scene_->MakeData()),
+      task_(task),
       options_(options),
       hand_settings_(hand),
-      scene_(
-          Scene::Load(options.assets.empty() ? DefaultAssetsPath() : options.assets, task.scene)) {
-  model_ = scene_->CopyModel();
-  data_ = scene_->MakeData();
+      stepper_(*model_) {
   mocap_ = model_->body_mocapid[Body("mocap")];
   hand_ = Body("hand");
   right_claw_ = Body("rightclaw");
@@ -59,26 +60,30 @@ Observation SawyerEnvironment::Reset(const RandVec& placement) {
   EditModel(placement);
   if (!hand_settings_.settles_alike || !Inside(placement, task_.low, task_.high))
     return ResetAfresh(placement);
-  const mjData& settled =
-      scene_->Settled([this](mjModel& model, mjData& data) { InitialiseHand(model, data); });
+  const mjData& settled = scene_->Settled([this](const mjModel& model, mjData& data) {
+    ControlStepper stepper(model);
+    InitialiseHand(stepper, model, data);
+  });
   mj_copyData(data_.get(), model_.get(), &settled);
   return FinishReset(placement);
 }
 
 Observation SawyerEnvironment::ResetAfresh(const RandVec& placement) {
   EditModel(placement);
-  InitialiseHand(*model_, *data_);
+  InitialiseHand(stepper_, *model_, *data_);
   return FinishReset(placement);
 }
 
-void SawyerEnvironment::InitialiseHand(mjModel& model, mjData& data) const {
+void SawyerEnvironment::InitialiseHand(ControlStepper& stepper, const mjModel& model,
+                                       mjData& data) const {
   mj_resetData(&model, &data);
+  stepper.Begin(data);
   for (int i = 0; i < kHandInitialisation; ++i) {
     std::copy_n(hand_settings_.initial.data(), 3, data.mocap_pos + 3 * mocap_);
     std::copy(kMocapQuaternion.begin(), kMocapQuaternion.end(), data.mocap_quat + 4 * mocap_);
     data.ctrl[0] = -1;
     data.ctrl[1] = 1;
-    for (int k = 0; k < kPhysicsSteps; ++k) mj_step(&model, &data);
+    stepper.Steps(data, kPhysicsSteps);
   }
 }
 
@@ -101,9 +106,9 @@ StepResult SawyerEnvironment::Step(const Action& action) {
   data_->ctrl[1] = -action[3];
   // Some task may have left its reset without mj_forward, or with edits after it.
   if (steps_ == 0)
-    ControlStep(*model_, *data_);
+    stepper_.ControlStep(*data_);
   else
-    ControlStepAfterForward(*model_, *data_);
+    stepper_.ControlStepAfterForward(*data_);
   ++steps_;
   return Conclude(action);
 }
@@ -118,9 +123,7 @@ void SawyerEnvironment::MoveMocap(const Action& action) {
   std::copy(kMocapQuaternion.begin(), kMocapQuaternion.end(), data_->mocap_quat + 4 * mocap_);
 }
 
-void SawyerEnvironment::Substeps() {
-  for (int k = 0; k < kPhysicsSteps; ++k) mj_step(model_.get(), data_.get());
-}
+void SawyerEnvironment::Substeps() { stepper_.Steps(*data_, kPhysicsSteps); }
 
 StepResult SawyerEnvironment::Conclude(const Action& action) {
   StepResult result;

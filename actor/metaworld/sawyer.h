@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "actor/metaworld/control_step.h"
 #include "actor/metaworld/engine.h"
 #include "actor/metaworld/environment.h"
 #include "actor/metaworld/reward_terms.h"
@@ -107,8 +108,9 @@ class SawyerEnvironment : public Environment {
     return Eigen::Map<const Eigen::Vector3d>(numbers + 3 * index);
   }
 
-  ModelPtr model_;
-  DataPtr data_;
+  const std::shared_ptr<Scene> scene_;
+  const ModelPtr model_;
+  const DataPtr data_;
   Eigen::Vector3d target_ = Eigen::Vector3d::Zero();       // goal position
   Eigen::Vector3d object_init_ = Eigen::Vector3d::Zero();  // object's place after reset
   Eigen::Vector3d tcp_init_ = Eigen::Vector3d::Zero();     // finger tips after hand initialisation
@@ -117,7 +119,7 @@ class SawyerEnvironment : public Environment {
   using Frame = std::array<double, kFrameSize>;
 
   [[nodiscard]] int Find(mjtObj type, const char* name) const;
-  void InitialiseHand(mjModel& model, mjData& data) const;
+  void InitialiseHand(ControlStepper& stepper, const mjModel& model, mjData& data) const;
   Observation FinishReset(const RandVec& placement);
   [[nodiscard]] Frame CurrentFrame() const;
   Observation Observe(const Frame& previous) const;
@@ -128,7 +130,7 @@ class SawyerEnvironment : public Environment {
   const TaskSpec& task_;
   const EnvironmentOptions options_;
   const HandSettings hand_settings_;
-  std::shared_ptr<Scene> scene_;
+  ControlStepper stepper_;
   int mocap_ = 0;
   int hand_, right_claw_, left_claw_, right_pad_, left_pad_;  // bodies
   int right_tip_, left_tip_;                                  // sites

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "actor/metaworld/assets.h"
-#include "actor/metaworld/culling.h"
 #include "actor/metaworld/sawyer.h"
 #include "actor/rollout.h"
 #include "common/config.h"
@@ -139,10 +138,7 @@ void Actor(benchmark::State& state, const std::string& task) {
 void Register() {
   for (const std::string& task : TaskNames()) {
     for (const int threads : {1, 2}) {
-      // The bare engine is the engine as it comes: without our test before its collision functions.
       benchmark::RegisterBenchmark(("bare/" + task).c_str(), Bare, task)
-          ->Setup([](const benchmark::State&) { metaworld::SetCulling(false); })
-          ->Teardown([](const benchmark::State&) { metaworld::SetCulling(true); })
           ->Threads(threads)
           ->UseRealTime()
           ->Unit(benchmark::kMillisecond);

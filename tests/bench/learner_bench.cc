@@ -1,0 +1,153 @@
+/// The learner's update alone: Trainer::Update on synthetic episodes (values, advantages, both
+/// networks, loss, clipping, Adam, all epochs), beside the machine's GEMM rate. One JSON line.
+#include <Eigen/Core>
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <vector>
+
+#include "common/config.h"
+#include "common/policy.h"
+#include "common/snapshot.h"
+#include "learner/trainer.h"
+#include "learner/worker_team.h"
+
+namespace metronome {
+namespace {
+
+struct Options {
+  int width = 128;
+  int minibatch = 1000;
+  int episodes = 16;
+  int epochs = 10;
+  int threads = 2;
+  int heads = 10;
+  int repeats = 5;
+};
+
+double Seconds(const std::function<void()>& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+double Median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+RunConfig ConfigOf(const Options& options) {
+  RunConfig config;
+  config.mutable_environment()->set_task("push");
+  config.mutable_policy()->set_heads(options.heads);
+  config.mutable_policy()->add_hidden(options.width);
+  config.mutable_policy()->add_hidden(options.width);
+  config.mutable_ppo()->set_minibatch(options.minibatch);
+  config.mutable_ppo()->set_epochs(options.epochs);
+  config.mutable_ppo()->set_kl_stop(0);
+  config.mutable_collection()->set_episodes_per_update(options.episodes);
+  return Resolve(config);
+}
+
+/// Observations are noise, actions the policy's own, rewards noise.
+Episode SyntheticEpisode(const RunConfig& config, Policy& policy, std::uint64_t number) {
+  Episode episode;
+  episode.number = number;
+  const std::int32_t horizon = config.environment().horizon();
+  RandomStream random(RandomPurpose::kEvaluate, 1, number, 0);
+  episode.observation.resize(std::size_t(horizon + 1) * kObservationSize);
+  for (float& value : episode.observation) value = float(random.Normal());
+  for (std::int32_t t = 0; t < horizon; ++t) {
+    const Policy::Decision decision =
+        policy.Act(episode.observation.data() + std::size_t(t) * kObservationSize, t,
+                   ActionNoise(config.seed(), number, t));
+    episode.action.insert(episode.action.end(), decision.action.begin(), decision.action.end());
+    episode.log_prob.push_back(decision.log_prob);
+    episode.head.push_back(std::uint16_t(decision.head));
+    episode.reward.push_back(float(random.Uniform()));
+    episode.flags.push_back(t + 1 == horizon ? kStepTruncated : 0);
+  }
+  return episode;
+}
+
+/// Floating-point operations of one sample in one epoch: forward, gradient by weights, gradient by
+/// inputs (not below the first layer), two each a weight.
+double OperationsPerSample(const RunConfig& config) {
+  const NetworkShape shape = ShapeOf(config);
+  double operations = 0;
+  for (const MlpLayout& layout : {ActorLayout(shape), CriticLayout(shape)}) {
+    for (std::size_t i = 0; i < layout.hidden.size(); ++i) {
+      const LayerSlice& slice = layout.hidden[i];
+      operations += (i == 0 ? 4.0 : 6.0) * slice.inputs * slice.outputs;
+    }
+    operations += 6.0 * layout.head.inputs * layout.head_outputs;
+  }
+  return operations;
+}
+
+/// Operations a second of Eigen's float32 product of square matrices, one a thread.
+double GemmRate(int threads, int repeats) {
+  constexpr Eigen::Index kSize = 1024;
+  struct Job {
+    Eigen::MatrixXf a = Eigen::MatrixXf::Random(kSize, kSize);
+    Eigen::MatrixXf b = Eigen::MatrixXf::Random(kSize, kSize);
+    Eigen::MatrixXf c = Eigen::MatrixXf::Zero(kSize, kSize);
+  };
+  std::vector<Job> jobs(static_cast<std::size_t>(threads));
+  WorkerTeam team(threads);
+  std::vector<double> seconds;
+  for (int i = 0; i <= repeats; ++i) {
+    seconds.push_back(Seconds([&] {
+      team.Run(jobs.size(), [&](std::size_t j) { jobs[j].c.noalias() = jobs[j].a * jobs[j].b; });
+    }));
+  }
+  return 2.0 * kSize * kSize * kSize * threads / Median(seconds);
+}
+
+void Run(const Options& options) {
+  const RunConfig config = ConfigOf(options);
+  TrainState state = Trainer::InitialState(config);
+  const PolicySnapshot snapshot = SnapshotOf(state, config);
+  Policy policy(config, snapshot);
+  std::vector<Episode> episodes;
+  for (int i = 0; i < options.episodes; ++i) {
+    episodes.push_back(SyntheticEpisode(config, policy, std::uint64_t(i)));
+  }
+  const double gemm = GemmRate(options.threads, options.repeats);
+  std::vector<double> seconds;
+  for (int i = 0; i <= options.repeats; ++i) {
+    Trainer trainer(config, state, options.threads);  // every time from the same state
+    const double passed = Seconds([&] { trainer.Update(episodes); });
+    if (i > 0) seconds.push_back(passed);  // the first one warms up
+  }
+  const double samples =
+      double(options.episodes) * config.environment().horizon() * options.epochs;
+  const double rate = samples / Median(seconds);
+  std::printf(
+      "{\"width\": %d, \"minibatch\": %d, \"threads\": %d, \"samples_per_second\": %.0f, "
+      "\"update_seconds\": %.4f, \"gflops\": %.2f, \"gemm_gflops\": %.2f}\n",
+      options.width, options.minibatch, options.threads, rate, Median(seconds),
+      rate * OperationsPerSample(config) * 1e-9, gemm * 1e-9);
+}
+
+}  // namespace
+}  // namespace metronome
+
+int main(int argc, char** argv) {
+  metronome::Options options;
+  CLI::App app("The learner's update alone, and the machine's GEMM rate; one JSON line");
+  app.add_option("--width", options.width, "of both hidden layers")->capture_default_str();
+  app.add_option("--minibatch", options.minibatch)->capture_default_str();
+  app.add_option("--episodes", options.episodes, "an update, of 500 steps")->capture_default_str();
+  app.add_option("--epochs", options.epochs)->capture_default_str();
+  app.add_option("--threads", options.threads)->capture_default_str();
+  app.add_option("--heads", options.heads)->capture_default_str();
+  app.add_option("--repeats", options.repeats)->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  metronome::Run(options);
+  return 0;
+}
