@@ -22,7 +22,7 @@ def parse_arguments():
 
 def make_stepper(task):
     """A function that makes one control step, and a reset where the episode is over."""
-    environment = official_tasks.make(task, seed=1)
+    environment = official_tasks.makers(task, [1])[0]()
     environment.reset()
     actions = itertools.cycle(np.random.default_rng(1).uniform(-1, 1, (9973, 4)).astype(np.float32))
 

@@ -7,7 +7,6 @@ Neither Monitor nor VecNormalize is in the way: without them it is at its fastes
 """
 
 import argparse
-import functools
 import importlib.metadata
 import json
 import time
@@ -57,8 +56,11 @@ class RolloutStarts(BaseCallback):
 
 
 def make_model(arguments):
-    makers = [functools.partial(official_tasks.make, arguments.task, seed) for seed in range(arguments.envs)]
-    environments = {"dummy": DummyVecEnv, "subproc": SubprocVecEnv}[arguments.vectorisation](makers)
+    makers = official_tasks.makers(arguments.task, range(arguments.envs))
+    if arguments.vectorisation == "dummy":
+        environments = DummyVecEnv(makers)
+    else:
+        environments = SubprocVecEnv(makers, start_method="fork")  # no thread has started yet
     return PPO(
         "MlpPolicy", environments, device="cpu", seed=1,
         policy_kwargs={"net_arch": {"pi": [128, 128], "vf": [128, 128]}, "activation_fn": torch.nn.Tanh},
