@@ -25,7 +25,7 @@ def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--task", required=True, choices=official_tasks.TASKS)
     parser.add_argument("--steps", type=int, default=24000, help="in all, the first 8000 untimed (default 24000)")
-    parser.add_argument("--envs", type=int, default=4)
+    parser.add_argument("--envs", type=int, default=16)
     parser.add_argument("--vectorisation", choices=["dummy", "subproc"], default="subproc")
     parser.add_argument("--threads", type=int, default=2, help="of PyTorch (default 2)")
     arguments = parser.parse_args()
