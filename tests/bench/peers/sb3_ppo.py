@@ -7,8 +7,11 @@ Neither Monitor nor VecNormalize is in the way: without them it is at its fastes
 """
 
 import argparse
+import ctypes
+import functools
 import importlib.metadata
 import json
+import signal
 import time
 
 import torch
@@ -55,12 +58,20 @@ class RolloutStarts(BaseCallback):
         return True
 
 
+def make_in_worker(maker):
+    """A forked worker holds the others' pipes open and would outlive a main process that is killed."""
+    set_parent_death_signal = 1  # prctl(2)
+    ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGKILL)
+    return maker()
+
+
 def make_model(arguments):
     makers = official_tasks.makers(arguments.task, range(arguments.envs))
     if arguments.vectorisation == "dummy":
         environments = DummyVecEnv(makers)
     else:
-        environments = SubprocVecEnv(makers, start_method="fork")  # no thread has started yet
+        # Forked, for no thread has started yet: the default would import everything 16 times.
+        environments = SubprocVecEnv([functools.partial(make_in_worker, maker) for maker in makers], start_method="fork")
     return PPO(
         "MlpPolicy", environments, device="cpu", seed=1,
         policy_kwargs={"net_arch": {"pi": [128, 128], "vf": [128, 128]}, "activation_fn": torch.nn.Tanh},
