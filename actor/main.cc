@@ -16,6 +16,7 @@
 #include "actor/metaworld/assets.h"
 #include "actor/options.h"
 #include "common/build_info.h"
+#include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
 #include "common/logging.h"
 #include "common/signal_watch.h"
@@ -103,6 +104,7 @@ int Serve(const RunOptions& options) {
   const auto clear = [&target](ActorClient*) { target.Set(nullptr); };
   const std::unique_ptr<ActorClient, decltype(clear)> set(&client, clear);
   const ActorEnd end = client.Run();
+  spdlog::info("{}", CpuTimes::OfProcess().Report());
   if (end == ActorEnd::kStopped) spdlog::info("stopped by signal {}", target.signal());
   return StatusOf(end, target.signal());
 }

@@ -3,6 +3,7 @@
 #include "actor/metaworld/assets.h"
 #include "actor/metaworld/environment.h"
 #include "actor/rollout.h"
+#include "common/cpu_times.h"
 
 namespace metronome {
 namespace {
@@ -28,6 +29,7 @@ class MetaworldPlayer final : public EpisodePlayer {
 }  // namespace
 
 RunSetup SetUpMetaworldRun(const RunConfig& config, int slots) {
+  const CpuTimer timer(CpuUse::kSetUp);
   RunSetup setup;
   for (int slot = 0; slot < slots; ++slot) {
     setup.players.push_back(std::make_unique<MetaworldPlayer>(config));

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/cpu_times.h"
+
 namespace metronome {
 
 WorkerPool::WorkerPool(std::vector<std::unique_ptr<EpisodePlayer>> players, Deliver deliver,
@@ -66,6 +68,7 @@ bool WorkerPool::PlayNext(EpisodePlayer& player) {
   auto episode = player.Play(*task.snapshot, task.number, cancelled_);
   if (!episode) return false;
   steps_ += static_cast<std::uint64_t>(episode->length());
+  const CpuTimer timer(CpuUse::kSend);
   deliver_(*std::move(episode));
   return true;
 }

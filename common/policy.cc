@@ -10,6 +10,12 @@
 #include "common/network_input.h"
 
 namespace metronome {
+namespace {
+
+using Packet = Eigen::internal::packet_traits<float>::type;
+constexpr Eigen::Index kVector = Eigen::internal::packet_traits<float>::size;
+
+}  // namespace
 
 Policy::Policy(const RunConfig& config, const PolicySnapshot& snapshot)
     : shape_(ShapeOf(config)),
@@ -30,10 +36,11 @@ Policy::Policy(const RunConfig& config, const PolicySnapshot& snapshot)
   const float* parameters = snapshot.parameters.data();
   for (const LayerSlice& slice : layout.hidden) {
     hidden_.push_back(Transpose(parameters, slice, 0, slice.outputs));
-    activations_.emplace_back(slice.outputs);
+    activations_.emplace_back(hidden_.back().padded);
   }
   for (std::int32_t head = 0; head < shape_.heads; ++head) {
     heads_.push_back(Transpose(parameters, layout.head, head * kActionSize, kActionSize));
+    head_output_.resize(heads_.back().padded);
     const float* log_std = parameters + layout.log_std + head * kActionSize;
     auto& log_stds = log_std_.emplace_back();
     auto& stds = std_.emplace_back();
@@ -48,28 +55,45 @@ Policy::Layer Policy::Transpose(const float* parameters, const LayerSlice& slice
                                 std::int32_t first_row, std::int32_t rows) {
   Layer layer;
   layer.inputs = slice.inputs;
-  layer.outputs = rows;
+  layer.padded = (rows + kVector - 1) / kVector * kVector;
+  layer.weight_t = Eigen::VectorXf::Zero(layer.padded * slice.inputs);
   const float* weight = parameters + slice.weight + std::size_t(first_row) * slice.inputs;
-  layer.weight_t.resize(std::size_t(rows) * slice.inputs);
-  for (std::int32_t row = 0; row < rows; ++row) {
-    for (std::int32_t column = 0; column < slice.inputs; ++column) {
-      layer.weight_t[std::size_t(column) * rows + row] =
-          weight[std::size_t(row) * slice.inputs + column];
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    for (Eigen::Index column = 0; column < slice.inputs; ++column) {
+      layer.weight_t[column * layer.padded + row] = weight[row * slice.inputs + column];
     }
   }
-  const float* bias = parameters + slice.bias + first_row;
-  layer.bias.assign(bias, bias + rows);
+  layer.bias = Eigen::VectorXf::Zero(layer.padded);
+  layer.bias.head(rows) =
+      Eigen::Map<const Eigen::VectorXf>(parameters + slice.bias + first_row, rows);
   return layer;
 }
 
-void Policy::Apply(const Layer& layer, const float* input, float* __restrict output) {
-  const std::int32_t outputs = layer.outputs;
-  std::copy(layer.bias.begin(), layer.bias.end(), output);
-  for (std::int32_t i = 0; i < layer.inputs; ++i) {
-    const float* __restrict weight = layer.weight_t.data() + std::size_t(i) * outputs;
-    const float x = input[i];
-    for (std::int32_t j = 0; j < outputs; ++j) output[j] += weight[j] * x;
+/// Outputs [first, first + Vectors * kVector) of a layer, whose sums stay in registers.
+template <int Vectors>
+void Policy::ApplyTo(const Layer& layer, Eigen::Index first, const float* input, float* output) {
+  using namespace Eigen::internal;
+  Packet sums[Vectors];
+  for (int v = 0; v < Vectors; ++v) {
+    sums[v] = pload<Packet>(layer.bias.data() + first + v * kVector);
   }
+  const float* weight = layer.weight_t.data() + first;
+  for (std::int32_t i = 0; i < layer.inputs; ++i, weight += layer.padded) {
+    const Packet x = pset1<Packet>(input[i]);
+    for (int v = 0; v < Vectors; ++v) {
+      sums[v] = pmadd(pload<Packet>(weight + v * kVector), x, sums[v]);
+    }
+  }
+  for (int v = 0; v < Vectors; ++v) pstore(output + first + v * kVector, sums[v]);
+}
+
+void Policy::Apply(const Layer& layer, const float* input, float* output) {
+  constexpr int kTogether = 8;  // enough sums to hide an addition's latency
+  Eigen::Index first = 0;
+  for (; first + kTogether * kVector <= layer.padded; first += kTogether * kVector) {
+    ApplyTo<kTogether>(layer, first, input, output);
+  }
+  for (; first < layer.padded; first += kVector) ApplyTo<1>(layer, first, input, output);
 }
 
 std::array<float, kActionSize> Policy::Mean(const float* observation, std::int32_t t) {
@@ -82,8 +106,9 @@ std::array<float, kActionSize> Policy::Mean(const float* observation, std::int32
     TanhInPlace(activations_[i]);
     layer_input = activations_[i].data();
   }
+  Apply(heads_[head], layer_input, head_output_.data());
   std::array<float, kActionSize> mean{};
-  Apply(heads_[head], layer_input, mean.data());
+  std::copy_n(head_output_.data(), kActionSize, mean.begin());
   return mean;
 }
 

@@ -17,9 +17,9 @@ namespace metronome {
 /// The policy of one snapshot, one state at a time: what actors act with and what the learner
 /// recomputes, to the last bit, when it checks them. Diagonal Gaussian; time alone picks the head.
 ///
-/// Bit-equality: every sum runs over its inputs in order (the loops vectorise over outputs, and
-/// the build forbids contraction), so neither vector width nor alignment enters. Not thread-safe:
-/// it keeps scratch space; make one per thread.
+/// Bit-equality: every sum runs over its inputs in order, in fused multiply-adds where
+/// METRONOME_MARCH has them (vectors run along the outputs), so neither vector width nor alignment
+/// enters. Not thread-safe: it keeps scratch space; make one per thread.
 class Policy {
  public:
   struct Decision {
@@ -40,17 +40,20 @@ class Policy {
   Decision Act(const float* observation, std::int32_t t, RandomStream noise);
 
  private:
-  /// Weight transposed to [inputs, outputs] row-major, so that the inner loop runs over outputs.
+  /// Weight transposed to [inputs, padded outputs] row-major, so that vectors run along outputs;
+  /// padding is zeros.
   struct Layer {
     std::int32_t inputs = 0;
-    std::int32_t outputs = 0;
-    std::vector<float> weight_t;
-    std::vector<float> bias;
+    Eigen::Index padded = 0;  // outputs, rounded up to whole vectors
+    Eigen::VectorXf weight_t;
+    Eigen::VectorXf bias;
   };
 
   static Layer Transpose(const float* parameters, const LayerSlice& slice, std::int32_t first_row,
                          std::int32_t rows);
   static void Apply(const Layer& layer, const float* input, float* output);
+  template <int Vectors>
+  static void ApplyTo(const Layer& layer, Eigen::Index first, const float* input, float* output);
 
   NetworkShape shape_;
   HeadSchedule schedule_;
@@ -62,7 +65,8 @@ class Policy {
   std::vector<std::array<float, kActionSize>> log_std_;  // [k]
   std::vector<std::array<float, kActionSize>> std_;      // [k]
   Eigen::VectorXf input_;
-  std::vector<Eigen::VectorXf> activations_;  // one per hidden layer
+  std::vector<Eigen::VectorXf> activations_;  // one per hidden layer, padded
+  Eigen::VectorXf head_output_;               // padded
 };
 
 /// The noise of step t of training episode `number`.

@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "common/cpu_times.h"
 #include "learner/exit_codes.h"
 #include "learner/trainer.h"
 
@@ -248,6 +249,7 @@ void Coordinator::WaitForUpdate() {
 }
 
 void Coordinator::TellProgress(const UpdateOutcome& outcome, const TrainState& state) {
+  const CpuTimer timer(CpuUse::kSave);
   try {
     record_.Updated(outcome.report, WallReportOf(outcome));
   } catch (const std::exception& failure) {
@@ -277,6 +279,7 @@ TrainState Coordinator::CopyState() const {
 }
 
 bool Coordinator::Save(const TrainState& state) {
+  const CpuTimer timer(CpuUse::kSave);
   try {
     record_.Save(state);
     saved_version_ = state.version;

@@ -16,6 +16,7 @@
 #include "common/build_info.h"
 #include "common/checkpoint.h"
 #include "common/config.h"
+#include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
 #include "common/logging.h"
 #include "common/signal_watch.h"
@@ -192,7 +193,9 @@ int Serve(const RunOptions& options, StopTarget& target) {
   target.Set(&coordinator);
   const auto clear = [&target](Coordinator*) { target.Set(nullptr); };
   const std::unique_ptr<Coordinator, decltype(clear)> set(&coordinator, clear);
-  return coordinator.Run();
+  const int status = coordinator.Run();
+  spdlog::info("{}", CpuTimes::OfProcess().Report());
+  return status;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/cpu_times.h"
 #include "common/snapshot.h"
 #include "learner/episode_check.h"
 #include "learner/learning.h"
@@ -16,7 +17,10 @@ class TrainerLearning final : public Learning {
       : config_(config), trainer_(config, std::move(state), threads) {}
 
   [[nodiscard]] const TrainState& state() const override { return trainer_.state(); }
-  UpdateReport Update(const std::vector<Episode>& batch) override { return trainer_.Update(batch); }
+  UpdateReport Update(const std::vector<Episode>& batch) override {
+    const CpuTimer timer(CpuUse::kUpdate);  // the team's other threads count for themselves
+    return trainer_.Update(batch);
+  }
   [[nodiscard]] PolicySnapshot Snapshot(const TrainState& state) const override {
     return SnapshotOf(state, config_);
   }
@@ -25,6 +29,7 @@ class TrainerLearning final : public Learning {
   }
   [[nodiscard]] std::optional<std::string> Check(const Episode& episode,
                                                  const PolicySnapshot& snapshot) const override {
+    const CpuTimer timer(CpuUse::kCheck);
     return CheckEpisode(episode, snapshot, config_);
   }
 

@@ -6,6 +6,8 @@
 #include <thread>
 #include <vector>
 
+#include "common/cpu_times.h"
+
 namespace metronome {
 
 struct WorkerTeam::Impl {
@@ -15,7 +17,10 @@ struct WorkerTeam::Impl {
         for (;;) {
           start.arrive_and_wait();
           if (stopping) return;
-          Drain();
+          {
+            const CpuTimer timer(CpuUse::kUpdate);
+            Drain();
+          }
           done.arrive_and_wait();
         }
       });
