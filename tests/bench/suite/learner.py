@@ -1,0 +1,52 @@
+"""The update alone, against PyTorch on the CPU and the machine's own product rate."""
+
+import json
+import subprocess
+
+from suite import _stats, peers
+
+NAME = "learner"
+HELP = "samples a second of the whole update, by width and minibatch, against PyTorch on the CPU"
+
+THREADS = [1, 2]
+WIDTHS = [64, 128, 256, 512]
+MINIBATCHES = [1000, 2500]
+
+
+def update(build, **options):
+    """What learner_bench prints: {"samples_per_second": ..., "gflops": ..., "gemm_gflops": ...}."""
+    command = [build / "bin/learner_bench"]
+    for name, value in options.items():
+        command += [f"--{name}", str(value)]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def measure(options, record):
+    peers.ensure_installed(options.root)
+    cases = [(w, b, t) for w in WIDTHS for b in MINIBATCHES for t in THREADS]
+    for round_number in range(1, options.rounds + 1):
+        for width, minibatch, threads in cases[:1] if options.quick else cases:
+            epochs = 10 if width <= 128 else 2
+            ours = update(options.build, width=width, minibatch=minibatch, threads=threads, epochs=epochs, repeats=3)
+            torch = peers.torch_update(
+                options.root, width, minibatch, threads=threads, samples=8000, epochs=2 if width > 128 else 5)
+            case = f"2x{width}, minibatch {minibatch}, {threads} thread{'s' if threads > 1 else ''}"
+
+            def note(quantity, unit, value):
+                record(case=case, quantity=quantity, unit=unit, round=round_number, value=value)
+
+            note("ours", "samples/s", ours["samples_per_second"])
+            note("PyTorch", "samples/s", torch["samples_per_second"])
+            note("of GEMM rate", "%", 100 * ours["gflops"] / ours["gemm_gflops"])
+            note("GEMM", "GFLOP/s", ours["gemm_gflops"])
+
+
+def table(rows):
+    lines = []
+    for case, of in _stats.by_case(rows).items():
+        lines.append([
+            case, f"{_stats.median(of['ours']) / 1e3:.0f}k", f"{_stats.median(of['PyTorch']) / 1e3:.0f}k",
+            f"{_stats.median_ratio(of['ours'], of['PyTorch']):.2f}", f"{_stats.median(of['of GEMM rate']):.0f} %",
+            f"{_stats.median(of['GEMM']):.0f}"])
+    header = ["update", "ours, samples/s", "PyTorch, samples/s", "ratio", "ours, share of GEMM rate", "GEMM, GFLOP/s"]
+    return _stats.markdown(header, lines)
