@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/dds/actor_filter.h"
 #include "common/dds/participant_qos.h"
-#include "idl/metronomeTypeObject.h"
 
 namespace metronome::dds {
 namespace {
@@ -62,13 +62,14 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
   CheckBusOptions(options);
   SendLogToStandardError();
   SwitchIntraprocessDeliveryOff();
-  // Content filters need the types' descriptions, which else come with the first sample made.
-  registermetronomeTypes();
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   participant_ = Made(
       factory->create_participant(options.domain, ParticipantQos(options, role)),
       "participant in domain " + std::to_string(options.domain) + " (are its UDP ports free?)");
   try {
+    Check(participant_->register_content_filter_factory(ActorFilterFactory::kClassName,
+                                                        ActorFilterFactory::Get()),
+          "registering the filter of orders");
     fdds::PublisherQos publisher = fdds::PUBLISHER_QOS_DEFAULT;
     publisher.partition().push_back(options.run_name.c_str());
     publisher_ = Made(participant_->create_publisher(publisher), "publisher");
@@ -109,10 +110,11 @@ fdds::DataReader* Participant::MakeReader(fdds::Topic* topic, const TopicProfile
                                           std::optional<std::uint64_t> only_actor_id) {
   fdds::TopicDescription* source = topic;
   if (only_actor_id) {
-    source = Made(participant_->create_contentfilteredtopic(std::string(profile.name) + "/mine",
-                                                            topic, "actor_id = %0",
-                                                            {std::to_string(*only_actor_id)}),
-                  std::string("content filter of ") + profile.name);
+    source =
+        Made(participant_->create_contentfilteredtopic(
+                 std::string(profile.name) + "/mine", topic, "actor_id = %0",
+                 ActorFilterFactory::ParametersOf(*only_actor_id), ActorFilterFactory::kClassName),
+             std::string("content filter of ") + profile.name);
   }
   return Made(subscriber_->create_datareader(source, ReaderQos(profile), listener),
               std::string("reader of ") + profile.name);
