@@ -6,6 +6,7 @@
 #include "common/dds/endpoints.h"
 #include "common/dds/inbox.h"
 #include "common/dds/learner_sightings.h"
+#include "common/dds/participant_qos.h"
 
 namespace metronome {
 namespace {
@@ -17,7 +18,7 @@ using dds::WriterWatch;
 class DdsActorBus final : public ActorBus {
  public:
   DdsActorBus(const BusOptions& options, std::uint64_t actor_id)
-      : actor_id_(actor_id), participant_(options, "actor") {}
+      : actor_id_(actor_id), participant_(options, dds::kActorRole) {}
 
   SendResult Send(const EpisodeMessage& message) override {
     while (!closed_) {
