@@ -59,8 +59,8 @@ nlohmann::json RunActors(const Options& options) {
   AwaitGo();
   std::vector<int> children;
   for (std::uint64_t i = 0; i < options.actors; ++i) {
-    children.push_back(Fork(
-        [&, i] { SimulatedActor(BusOf(options), i + 1, options.slots, bank).Run(); }));
+    children.push_back(
+        Fork([&, i] { SimulatedActor(BusOf(options), i + 1, options.slots, bank).Run(); }));
   }
   return {{"cpu_seconds", WaitForAll(children)}};
 }
@@ -93,8 +93,8 @@ int Main(int argc, char** argv) {
   CLI::App app("Simulated actors, and the cost of the wire");
   app.require_subcommand(1);
   Options options;
-  CLI::App* actors = AddCommand(app, options, "actors",
-                                "actor processes that answer from a bank; begin at a line of input");
+  CLI::App* actors = AddCommand(
+      app, options, "actors", "actor processes that answer from a bank; begin at a line of input");
   actors->add_option("--actors", options.actors, "processes");
   actors->add_option("--slots", options.slots, "that each of them announces");
   actors->add_option("--recordings", options.recordings, "episodes really played");

@@ -15,8 +15,7 @@
 namespace metronome::bench {
 
 EpisodeBank::EpisodeBank(RunConfig config, std::uint64_t recordings, std::uint64_t prepared)
-    : config_(std::move(config)),
-      untrained_(SnapshotOf(Trainer::InitialState(config_), config_)) {
+    : config_(std::move(config)), untrained_(SnapshotOf(Trainer::InitialState(config_), config_)) {
   metaworld::EnvironmentOptions options;
   options.assets = metaworld::DefaultAssetsPath();
   const auto environment =
@@ -54,8 +53,7 @@ EpisodeBank::Decisions EpisodeBank::Decide(std::uint64_t number,
     const float* observation = recording.observation.data() + std::size_t(t) * kObservationSize;
     const Policy::Decision decision =
         policy.Act(observation, t, ActionNoise(config_.seed(), number, t));
-    decisions.action.insert(decisions.action.end(), decision.action.begin(),
-                            decision.action.end());
+    decisions.action.insert(decisions.action.end(), decision.action.begin(), decision.action.end());
     decisions.log_prob.push_back(decision.log_prob);
   }
   return decisions;
