@@ -20,10 +20,11 @@ class DdsActorBus final : public ActorBus {
   DdsActorBus(const BusOptions& options, std::uint64_t actor_id)
       : actor_id_(actor_id), participant_(options, dds::kActorRole) {}
 
-  SendResult Send(const EpisodeMessage& message) override {
+  SendResult Send(EpisodeMessage message) override {
+    auto sample = episodes_.Pack(std::move(message));
     while (!closed_) {
       if (!episode_watch_.HasReader()) return SendResult::kNoLearner;
-      if (episodes_.Write(message) == dds::WriteResult::kWritten) return SendResult::kSent;
+      if (episodes_.Write(sample) == dds::WriteResult::kWritten) return SendResult::kSent;
       // A full history refuses early: wait for acknowledgements rather than spin.
       episodes_.WaitForAcknowledgements(kRetry);
     }
