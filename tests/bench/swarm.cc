@@ -47,21 +47,20 @@ EpisodeBank BankOf(const Options& options) {
   return EpisodeBank(draft.Finish(), options.recordings, options.prepared);
 }
 
-// The learner is started meanwhile: its collecting must not wait for the bank.
-void AwaitGo() {
-  std::cout << "ready" << std::endl;
-  std::string line;
-  std::getline(std::cin, line);
-}
-
 nlohmann::json RunActors(const Options& options) {
   const EpisodeBank bank = BankOf(options);
-  AwaitGo();
+  Pipe made;
   std::vector<int> children;
   for (std::uint64_t i = 0; i < options.actors; ++i) {
-    children.push_back(
-        Fork([&, i] { SimulatedActor(BusOf(options), i + 1, options.slots, bank).Run(); }));
+    children.push_back(Fork([&, i] {
+      SimulatedActor actor(BusOf(options), i + 1, options.slots, bank);
+      made.Write('.');
+      actor.Run();
+    }));
   }
+  // A learner that starts now does not wait for bank or processes.
+  for (std::uint64_t i = 0; i < options.actors; ++i) made.Read<char>();
+  std::cout << "ready" << std::endl;
   return {{"cpu_seconds", WaitForAll(children)}};
 }
 
@@ -94,7 +93,7 @@ int Main(int argc, char** argv) {
   app.require_subcommand(1);
   Options options;
   CLI::App* actors = AddCommand(
-      app, options, "actors", "actor processes that answer from a bank; begin at a line of input");
+      app, options, "actors", "actor processes that answer from a bank; says when they are ready");
   actors->add_option("--actors", options.actors, "processes");
   actors->add_option("--slots", options.slots, "that each of them announces");
   actors->add_option("--recordings", options.recordings, "episodes really played");
