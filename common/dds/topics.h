@@ -28,7 +28,9 @@ inline constexpr TopicProfile kPolicySnapshotTopic{
     "metronome/policy_snapshot", true, false, 2, 8, 128 * 1024};
 inline constexpr TopicProfile kEpisodeOrderTopic{
     "metronome/episode_order", false, true, 4096, 1024, 256, true};
-inline constexpr TopicProfile kEpisodeTopic{"metronome/episode", false, true, 32, 64, 96 * 1024};
+/// The learner has room for an episode of each of 256 actors that end at once (24 MB): what comes
+/// beyond that is dropped, asked for and sent again.
+inline constexpr TopicProfile kEpisodeTopic{"metronome/episode", false, true, 32, 256, 96 * 1024};
 inline constexpr TopicProfile kActorStatusTopic{
     "metronome/actor_status", false, false, 4, 256, 512};
 

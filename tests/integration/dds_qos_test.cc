@@ -60,7 +60,7 @@ TEST(DdsQosTest, LiveEndpointsHaveTheQualityOfServiceOfTheTable) {
   ExpectQos<wire::PolicySnapshotPubSubType>(dds::kPolicySnapshotTopic, {transient, last, 2, 8});
   ExpectQos<wire::EpisodeOrderPubSubType>(dds::kEpisodeOrderTopic,
                                           {volatile_kind, all, 4096, 1024});
-  ExpectQos<wire::EpisodePubSubType>(dds::kEpisodeTopic, {volatile_kind, all, 32, 64});
+  ExpectQos<wire::EpisodePubSubType>(dds::kEpisodeTopic, {volatile_kind, all, 32, 256});
   ExpectQos<wire::ActorStatusPubSubType>(dds::kActorStatusTopic, {volatile_kind, last, 4, 256});
 }
 
