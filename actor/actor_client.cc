@@ -234,7 +234,7 @@ void ActorClient::Deliver(std::uint64_t incarnation, Episode episode) {
   message.incarnation = incarnation;
   message.actor_id = options_.actor_id;
   message.episode = std::move(episode);
-  if (bus_->Send(message) == ActorBus::SendResult::kSent) ++episodes_done_;
+  if (bus_->Send(std::move(message)) == ActorBus::SendResult::kSent) ++episodes_done_;
   // Without a learner the episode is dropped: it will be ordered again.
 }
 

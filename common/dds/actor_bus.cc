@@ -6,6 +6,7 @@
 #include "common/dds/endpoints.h"
 #include "common/dds/inbox.h"
 #include "common/dds/learner_sightings.h"
+#include "common/dds/participant_qos.h"
 
 namespace metronome {
 namespace {
@@ -17,12 +18,13 @@ using dds::WriterWatch;
 class DdsActorBus final : public ActorBus {
  public:
   DdsActorBus(const BusOptions& options, std::uint64_t actor_id)
-      : actor_id_(actor_id), participant_(options, "actor") {}
+      : actor_id_(actor_id), participant_(options, dds::kActorRole) {}
 
-  SendResult Send(const EpisodeMessage& message) override {
+  SendResult Send(EpisodeMessage message) override {
+    auto sample = episodes_.Pack(std::move(message));
     while (!closed_) {
       if (!episode_watch_.HasReader()) return SendResult::kNoLearner;
-      if (episodes_.Write(message) == dds::WriteResult::kWritten) return SendResult::kSent;
+      if (episodes_.Write(sample) == dds::WriteResult::kWritten) return SendResult::kSent;
       // A full history refuses early: wait for acknowledgements rather than spin.
       episodes_.WaitForAcknowledgements(kRetry);
     }

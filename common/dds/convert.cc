@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace metronome::dds {
 namespace {
@@ -98,7 +99,7 @@ RunDescription FromWire(const wire::RunDescription& sample) {
   return message;
 }
 
-wire::PolicySnapshot ToWire(const PolicySnapshot& message) {
+wire::PolicySnapshot ToWire(PolicySnapshot message) {
   CheckSnapshotSizes(message.parameters.size(), message.observation_mean.size(),
                      message.observation_inv_std.size());
   wire::PolicySnapshot sample;
@@ -106,21 +107,21 @@ wire::PolicySnapshot ToWire(const PolicySnapshot& message) {
   sample.incarnation(message.incarnation);
   sample.version(message.version);
   sample.checksum(SnapshotChecksum(message));
-  sample.parameters(message.parameters);
-  sample.observation_mean(message.observation_mean);
-  sample.observation_inv_std(message.observation_inv_std);
+  sample.parameters(std::move(message.parameters));
+  sample.observation_mean(std::move(message.observation_mean));
+  sample.observation_inv_std(std::move(message.observation_inv_std));
   return sample;
 }
 
-PolicySnapshot FromWire(const wire::PolicySnapshot& sample) {
+PolicySnapshot FromWire(wire::PolicySnapshot sample) {
   CheckSnapshotSizes(sample.parameters().size(), sample.observation_mean().size(),
                      sample.observation_inv_std().size());
   PolicySnapshot message;
   message.incarnation = sample.incarnation();
   message.version = sample.version();
-  message.parameters = sample.parameters();
-  message.observation_mean = sample.observation_mean();
-  message.observation_inv_std = sample.observation_inv_std();
+  message.parameters = std::move(sample.parameters());
+  message.observation_mean = std::move(sample.observation_mean());
+  message.observation_inv_std = std::move(sample.observation_inv_std());
   if (SnapshotChecksum(message) != sample.checksum()) {
     throw Malformed("checksum of version " + std::to_string(message.version) + " does not hold");
   }
@@ -155,8 +156,8 @@ EpisodeOrder FromWire(const wire::EpisodeOrder& sample) {
   return message;
 }
 
-wire::Episode ToWire(const EpisodeMessage& message) {
-  const Episode& episode = message.episode;
+wire::Episode ToWire(EpisodeMessage message) {
+  Episode& episode = message.episode;
   CheckEpisodeSizes(episode);
   wire::Episode sample;
   sample.protocol_version(kProtocolVersion);
@@ -164,28 +165,28 @@ wire::Episode ToWire(const EpisodeMessage& message) {
   sample.actor_id(message.actor_id);
   sample.number(episode.number);
   sample.weights_version(episode.weights_version);
-  sample.observation(episode.observation);
-  sample.action(episode.action);
-  sample.log_prob(episode.log_prob);
-  sample.reward(episode.reward);
-  sample.head(episode.head);
-  sample.flags(episode.flags);
+  sample.observation(std::move(episode.observation));
+  sample.action(std::move(episode.action));
+  sample.log_prob(std::move(episode.log_prob));
+  sample.reward(std::move(episode.reward));
+  sample.head(std::move(episode.head));
+  sample.flags(std::move(episode.flags));
   return sample;
 }
 
-EpisodeMessage FromWire(const wire::Episode& sample) {
+EpisodeMessage FromWire(wire::Episode sample) {
   EpisodeMessage message;
   message.incarnation = sample.incarnation();
   message.actor_id = sample.actor_id();
   Episode& episode = message.episode;
   episode.number = sample.number();
   episode.weights_version = sample.weights_version();
-  episode.observation = sample.observation();
-  episode.action = sample.action();
-  episode.log_prob = sample.log_prob();
-  episode.reward = sample.reward();
-  episode.head = sample.head();
-  episode.flags = sample.flags();
+  episode.observation = std::move(sample.observation());
+  episode.action = std::move(sample.action());
+  episode.log_prob = std::move(sample.log_prob());
+  episode.reward = std::move(sample.reward());
+  episode.head = std::move(sample.head());
+  episode.flags = std::move(sample.flags());
   CheckEpisodeSizes(episode);
   return message;
 }

@@ -5,7 +5,8 @@
 #include "common/messages.h"
 #include "idl/metronome.h"
 
-/// Messages to wire types and back. Stateless and thread-safe.
+/// Messages to wire types and back. Stateless and thread-safe. What carries arrays is taken by
+/// value: moved in, its arrays are moved on and not copied.
 namespace metronome::dds {
 
 /// A message that does not fit the wire, or a wire sample that no correct peer sends.
@@ -16,17 +17,17 @@ class Malformed : public std::runtime_error {
 
 /// @throws Malformed if a text or array exceeds its bound in idl/metronome.idl.
 wire::RunDescription ToWire(const RunDescription& message);
-wire::PolicySnapshot ToWire(const PolicySnapshot& message);
+wire::PolicySnapshot ToWire(PolicySnapshot message);
 wire::EpisodeOrder ToWire(const EpisodeOrder& message);
-wire::Episode ToWire(const EpisodeMessage& message);
+wire::Episode ToWire(EpisodeMessage message);
 wire::ActorStatus ToWire(const ActorStatus& message);
 
 /// The inverse: checks bounds, lengths that must agree, enumerations and the snapshot's checksum.
 /// Numbers inside arrays are not judged here. @throws Malformed with the reason.
 RunDescription FromWire(const wire::RunDescription& sample);
-PolicySnapshot FromWire(const wire::PolicySnapshot& sample);
+PolicySnapshot FromWire(wire::PolicySnapshot sample);
 EpisodeOrder FromWire(const wire::EpisodeOrder& sample);
-EpisodeMessage FromWire(const wire::Episode& sample);
+EpisodeMessage FromWire(wire::Episode sample);
 ActorStatus FromWire(const wire::ActorStatus& sample);
 
 /// CRC-32 (zlib's) of version and the three arrays, as idl/metronome.idl says.

@@ -27,13 +27,25 @@ class Writer {
   Writer(Participant* participant, const TopicProfile& profile, fdds::DataWriterListener* listener)
       : profile_(profile), writer_(participant->MakeWriter<PubSubType>(profile, listener)) {}
 
-  /// Blocks at most the writer's max_blocking_time while the reliable history is full, and while
-  /// other threads do.
-  /// @throws Malformed for a message beyond the wire's bounds, std::runtime_error otherwise.
+  /// A message as Write takes it, as often as it takes.
+  /// @throws Malformed for a message beyond the wire's bounds.
   template <class Message>
-  WriteResult Write(const Message& message) {
+  static Envelope<Wire> Pack(Message message) {
     Envelope<Wire> envelope;
-    envelope.value = ToWire(message);
+    envelope.value = ToWire(std::move(message));
+    return envelope;
+  }
+
+  /// Packs and writes.
+  template <class Message>
+  WriteResult Write(Message message) {
+    Envelope<Wire> envelope = Pack(std::move(message));
+    return Write(envelope);
+  }
+
+  /// Blocks at most the writer's max_blocking_time while the reliable history is full, and while
+  /// other threads do. @param envelope  unchanged. @throws std::runtime_error.
+  WriteResult Write(Envelope<Wire>& envelope) {
     // One at a time: threads that meet a full history together leak payloads inside Fast DDS 2.9.
     const std::lock_guard lock(mutex_);
     // Not write(void*): its bool merges a full history with a failed encode.
@@ -72,7 +84,7 @@ template <class PubSubType>
 class Reader {
  public:
   using Wire = typename PubSubType::type;
-  using Message = decltype(FromWire(std::declval<const Wire&>()));
+  using Message = decltype(FromWire(std::declval<Wire>()));
 
   Reader(Participant* participant, const TopicProfile& profile, WriterWatch* watch,
          std::optional<std::uint64_t> only_actor_id = std::nullopt)
@@ -94,7 +106,7 @@ class Reader {
         throw std::runtime_error(std::string("reading ") + profile_.name +
                                  ": Fast DDS return code " + std::to_string(code()));
       }
-      if (info.valid_data) return Open(envelope, info.publication_handle);
+      if (info.valid_data) return Open(std::move(envelope), info.publication_handle);
     } while (true);
   }
 
@@ -106,7 +118,7 @@ class Reader {
   }
 
  private:
-  Taken<Message> Open(const Envelope<Wire>& envelope, const fdds::InstanceHandle_t& writer) const {
+  Taken<Message> Open(Envelope<Wire> envelope, const fdds::InstanceHandle_t& writer) const {
     Taken<Message> taken{BadSample{profile_.name, envelope.error}, envelope.header,
                          envelope.foreign_version, writer};
     if (envelope.foreign_version) {
@@ -115,7 +127,7 @@ class Reader {
                              ", this build speaks " + std::to_string(kProtocolVersion)};
     } else if (envelope.error.empty()) {
       try {
-        taken.content = FromWire(envelope.value);
+        taken.content = FromWire(std::move(envelope.value));
       } catch (const Malformed& error) {
         taken.content = BadSample{profile_.name, error.what()};
       }

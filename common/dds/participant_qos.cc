@@ -20,6 +20,8 @@ constexpr std::uint32_t kSocketBufferBytes = 4 << 20;
 constexpr std::uint32_t kSegmentBytes = 16 << 20;  // a history of episodes and then some
 // Participants a machine that unicast discovery without a port reaches.
 constexpr std::uint32_t kParticipantsPerPeer = 16;
+// Actors take the ports behind those: what is sent to the well-known ones finds learners alone.
+constexpr std::uint32_t kFirstActor = kParticipantsPerPeer;
 // Shared-memory ports are numbered by process, beyond any UDP port: a killed process leaves its
 // port behind locked, and one that takes its place must not run into it.
 constexpr std::uint32_t kFirstSharedMemoryPort = 1 << 16;
@@ -47,22 +49,40 @@ std::shared_ptr<fdds_rtps::TransportDescriptorInterface> UdpTransport(const Netw
   return udp;
 }
 
-void SetDiscovery(const BusOptions& options, fdds::WireProtocolConfigQos* wire) {
+/// The participants that a peer's address may mean. Actors announce themselves to learners; a
+/// learner that is told of hosts by name also looks for actors there.
+void AddPeer(const Network::Peer& peer, std::uint32_t first_actor_port, bool is_actor,
+             rtps::LocatorList_t* peers) {
+  peers->push_back(UdpLocator(peer.address, peer.port));
+  if (is_actor || peer.port != 0) return;
+  for (std::uint32_t i = 0; i < kParticipantsPerPeer; ++i) {
+    peers->push_back(UdpLocator(peer.address, first_actor_port + 2 * i));
+  }
+}
+
+/// Discovery is a star. All participants that hear each other exchange their endpoints, announce
+/// themselves to each other twice a second and once more whenever another appears: with N actors
+/// that is N^3 messages at the start. So actors speak to the multicast group and to the learners'
+/// well-known ports, but hear only who answers them: the learners.
+void SetDiscovery(const BusOptions& options, bool is_actor, fdds::WireProtocolConfigQos* wire) {
   rtps::BuiltinAttributes& builtin = wire->builtin;
   builtin.discovery_config.leaseDuration = kLease;
   builtin.discovery_config.leaseDuration_announcementperiod = kAnnouncement;
-  builtin.metatrafficUnicastLocatorList.push_back(UdpLocator("0.0.0.0", 0));
+  const std::uint32_t first_actor_port = wire->port.getUnicastPort(options.domain, kFirstActor);
+  // Fast DDS takes the next free port of those that follow; 0 means the first learner's.
+  builtin.metatrafficUnicastLocatorList.push_back(
+      UdpLocator("0.0.0.0", is_actor ? first_actor_port : 0));
   // This machine by unicast always: not every kernel's loopback carries multicast.
   builtin.initialPeersList.push_back(UdpLocator(kLoopbackAddress, 0));
   if (options.network.scope == Network::Scope::kPeers) {
     for (const Network::Peer& peer : options.network.peers) {
-      builtin.initialPeersList.push_back(UdpLocator(peer.address, peer.port));
+      AddPeer(peer, first_actor_port, is_actor, &builtin.initialPeersList);
     }
-  } else {
-    const auto group = UdpLocator(kDiscoveryGroup, wire->port.getMulticastPort(options.domain));
-    builtin.metatrafficMulticastLocatorList.push_back(group);
-    builtin.initialPeersList.push_back(group);
+    return;
   }
+  const auto group = UdpLocator(kDiscoveryGroup, wire->port.getMulticastPort(options.domain));
+  if (!is_actor) builtin.metatrafficMulticastLocatorList.push_back(group);
+  builtin.initialPeersList.push_back(group);
 }
 
 /// Samples between processes of one machine go through memory; discovery stays on UDP, which
@@ -87,7 +107,7 @@ fdds::DomainParticipantQos ParticipantQos(const BusOptions& options, const std::
   qos.transport().user_transports.push_back(UdpTransport(options.network));
   qos.transport().send_socket_buffer_size = kSocketBufferBytes;
   qos.transport().listen_socket_buffer_size = kSocketBufferBytes;
-  SetDiscovery(options, &qos.wire_protocol());
+  SetDiscovery(options, role == kActorRole, &qos.wire_protocol());
   if (options.transport == Transport::kSharedMemory) AddSharedMemory(&qos);
   return qos;
 }

@@ -7,8 +7,10 @@
 
 namespace metronome::dds {
 
+inline constexpr const char* kActorRole = "actor";  // finds learners alone, not other actors
+
 /// Transports, discovery and leases of a participant, as the options ask.
-/// @param role  "learner" or "actor": shown by DDS tools as "metronome-learner RUN".
+/// @param role  "learner" or kActorRole: shown by DDS tools as "metronome-learner RUN".
 eprosima::fastdds::dds::DomainParticipantQos ParticipantQos(const BusOptions& options,
                                                             const std::string& role);
 

@@ -39,6 +39,7 @@ fdds::DataWriterQos WriterQos(const TopicProfile& topic) {
   qos.reliable_writer_qos().times.heartbeatPeriod = kHeartbeat;
   qos.reliable_writer_qos().times.initialHeartbeatDelay = {0, 10'000'000};
   qos.reliable_writer_qos().times.nackResponseDelay = {0, 5'000'000};
+  qos.reliable_writer_qos().disable_heartbeat_piggyback = topic.to_one_reader;
   qos.writer_resource_limits().reader_filters_allocation.maximum = kMaxFilteredActors;
   return qos;
 }

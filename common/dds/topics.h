@@ -16,6 +16,9 @@ struct TopicProfile {
   std::int32_t writer_depth;  // samples a writer holds at most
   std::int32_t reader_depth;  // samples a reader holds at most, of all writers together
   std::uint32_t usual_bytes;  // size that buffers start with
+  /// Each sample is for one of many readers. The writer then tells readers what they lack in its
+  /// periodic heartbeats alone: with every write, all the others would ask for what is not theirs.
+  bool to_one_reader = false;
 };
 
 /// Readers of the two keep-last topics hold more than one sample: rival learners share the topic.
@@ -24,8 +27,10 @@ inline constexpr TopicProfile kRunDescriptionTopic{
 inline constexpr TopicProfile kPolicySnapshotTopic{
     "metronome/policy_snapshot", true, false, 2, 8, 128 * 1024};
 inline constexpr TopicProfile kEpisodeOrderTopic{
-    "metronome/episode_order", false, true, 4096, 1024, 256};
-inline constexpr TopicProfile kEpisodeTopic{"metronome/episode", false, true, 32, 64, 96 * 1024};
+    "metronome/episode_order", false, true, 4096, 1024, 256, true};
+/// The learner has room for an episode of each of 256 actors that end at once (24 MB): what comes
+/// beyond that is dropped, asked for and sent again.
+inline constexpr TopicProfile kEpisodeTopic{"metronome/episode", false, true, 32, 256, 96 * 1024};
 inline constexpr TopicProfile kActorStatusTopic{
     "metronome/actor_status", false, false, 4, 256, 512};
 

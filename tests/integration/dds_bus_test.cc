@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/dds/topics.h"
 #include "tests/integration/dds_fixture.h"
 
 namespace metronome::test {
@@ -102,9 +103,10 @@ void SendEpisodes(ActorBus& actor, std::size_t first, std::size_t step, std::siz
 }
 
 TEST_P(DdsBusTest, SlowLearnerHoldsActorsBackAndLosesNothing) {
-  constexpr std::size_t kEpisodes = 240;
+  constexpr std::size_t kHeld = dds::kEpisodeTopic.writer_depth + dds::kEpisodeTopic.reader_depth;
+  constexpr std::size_t kEpisodes = 2 * kHeld;
   constexpr std::size_t kThreads = 3;
-  constexpr std::size_t kBacklog = 90;  // nearly what the two histories hold: 64 and 32
+  constexpr std::size_t kBacklog = kHeld - 8;  // nearly what the two histories hold
   const BusOptions options = FreshRun(GetParam());
   const auto learner = MakeDdsLearnerBus(options);
   const auto actor = MakeDdsActorBus(options, 11);

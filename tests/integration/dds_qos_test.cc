@@ -1,5 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
 #include "common/dds/dds_bus.h"
 #include "common/dds/endpoints.h"
 #include "common/dds/participant_qos.h"
@@ -54,7 +60,7 @@ TEST(DdsQosTest, LiveEndpointsHaveTheQualityOfServiceOfTheTable) {
   ExpectQos<wire::PolicySnapshotPubSubType>(dds::kPolicySnapshotTopic, {transient, last, 2, 8});
   ExpectQos<wire::EpisodeOrderPubSubType>(dds::kEpisodeOrderTopic,
                                           {volatile_kind, all, 4096, 1024});
-  ExpectQos<wire::EpisodePubSubType>(dds::kEpisodeTopic, {volatile_kind, all, 32, 64});
+  ExpectQos<wire::EpisodePubSubType>(dds::kEpisodeTopic, {volatile_kind, all, 32, 256});
   ExpectQos<wire::ActorStatusPubSubType>(dds::kActorStatusTopic, {volatile_kind, last, 4, 256});
 }
 
@@ -63,6 +69,37 @@ TEST(DdsQosTest, ParticipantsAreLostAfterTheirLease) {
   const auto& discovery = qos.wire_protocol().builtin.discovery_config;
   EXPECT_EQ(discovery.leaseDuration, eprosima::fastrtps::Duration_t(2.5));
   EXPECT_EQ(discovery.leaseDuration_announcementperiod, eprosima::fastrtps::Duration_t(0.5));
+}
+
+/// The participants that one sees, by name, itself left out.
+std::set<std::string> Seen(const fdds::DomainParticipant& participant) {
+  std::set<std::string> names;
+  for (const std::string& name : participant.get_participant_names()) names.insert(name);
+  names.erase(participant.get_qos().name().to_string());
+  return names;
+}
+
+TEST(DdsQosTest, ActorsFindTheLearnerAndNotEachOther) {
+  const BusOptions options = FreshRun();
+  auto* factory = fdds::DomainParticipantFactory::get_instance();
+  std::vector<fdds::DomainParticipant*> all;
+  for (const std::string name : {"first", "second", "learner"}) {
+    auto qos = dds::ParticipantQos(options, name == "learner" ? name : dds::kActorRole);
+    qos.name(name);
+    all.push_back(factory->create_participant(options.domain, qos));
+    ASSERT_NE(all.back(), nullptr);
+  }
+  // The actors were there first: had they heard each other, they would have done so by then.
+  const auto complete = [&] {
+    return Seen(*all[0]).contains("learner") && Seen(*all[1]).contains("learner") &&
+           Seen(*all[2]) == std::set<std::string>{"first", "second"};
+  };
+  const auto deadline = Soon();
+  while (!complete() && Clock::now() < deadline) std::this_thread::yield();
+  EXPECT_TRUE(complete());
+  EXPECT_EQ(Seen(*all[0]), std::set<std::string>{"learner"});
+  EXPECT_EQ(Seen(*all[1]), std::set<std::string>{"learner"});
+  for (auto* participant : all) factory->delete_participant(participant);
 }
 
 TEST(DdsQosTest, PeerOfAnotherQualityOfServiceIsReported) {

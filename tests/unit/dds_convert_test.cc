@@ -1,7 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <array>
+#include <fastdds/dds/core/LoanableSequence.hpp>
 #include <limits>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "common/dds/actor_filter.h"
 #include "common/dds/bus_options.h"
 #include "common/dds/convert.h"
 #include "tests/integration/dds_fixture.h"
@@ -99,6 +105,62 @@ TEST(ConvertTest, TextAndConfigurationBeyondTheirBoundsAreNotSent) {
   EXPECT_EQ(FromWire(ToWire(description)), description);
   description.config.assign(65537, 'x');
   EXPECT_THROW(ToWire(description), Malformed);
+}
+
+/// What a filter with these parameters says to a payload; std::nullopt if there is no such filter.
+std::optional<bool> Passes(const std::vector<std::string>& parameters,
+                           std::vector<std::uint8_t> bytes) {
+  ActorFilterFactory::ParameterSeq::size_type length = 0;
+  eprosima::fastdds::dds::LoanableSequence<const char*> texts(4);
+  for (const std::string& parameter : parameters) {
+    texts.length(length + 1);
+    texts[length++] = parameter.c_str();
+  }
+  eprosima::fastdds::dds::IContentFilter* filter = nullptr;
+  auto* factory = ActorFilterFactory::Get();
+  if (factory->create_content_filter("", "", nullptr, "", texts, filter)() != 0) {
+    return std::nullopt;
+  }
+  eprosima::fastrtps::rtps::SerializedPayload_t payload;
+  payload.data = bytes.data();
+  payload.length = static_cast<std::uint32_t>(bytes.size());
+  const bool passes = filter->evaluate(payload, {}, {});
+  payload.data = nullptr;  // not the payload's to free
+  factory->delete_content_filter("", filter);
+  return passes;
+}
+
+/// Encapsulation and the three members of every message, the last of which is 0x0102030405060708.
+std::vector<std::uint8_t> HeaderBytes(bool little_endian) {
+  std::vector<std::uint8_t> bytes(4 + 24, 0);
+  bytes[1] = little_endian ? 1 : 0;
+  for (std::uint8_t i = 0; i < 8; ++i)
+    bytes[20U + (little_endian ? 7U - i : i)] = std::uint8_t(i + 1);
+  return bytes;
+}
+
+TEST(ActorFilterTest, PassesWhatIsForItsActorInBothByteOrders) {
+  const std::string mine = std::to_string(0x0102030405060708);
+  for (const bool little_endian : {true, false}) {
+    EXPECT_EQ(Passes({mine}, HeaderBytes(little_endian)), true);
+    EXPECT_EQ(Passes({"72623859790382855"}, HeaderBytes(little_endian)), false);
+  }
+}
+
+TEST(ActorFilterTest, PassesWhatDoesNotSayWhomItIsFor) {
+  for (const std::size_t length : {0U, 1U, 4U, 27U}) {
+    std::vector<std::uint8_t> bytes = HeaderBytes(true);
+    bytes.resize(length);
+    EXPECT_EQ(Passes({"1"}, bytes), true) << length;
+  }
+}
+
+TEST(ActorFilterTest, ParametersThatAreNoActorMakeNoFilter) {
+  EXPECT_EQ(Passes({}, HeaderBytes(true)), std::nullopt);
+  EXPECT_EQ(Passes({"1", "2"}, HeaderBytes(true)), std::nullopt);
+  for (const std::string text : {"", "x", "1x", "-1", "18446744073709551616"}) {
+    EXPECT_EQ(Passes({text}, HeaderBytes(true)), std::nullopt) << text;
+  }
 }
 
 TEST(BusOptionsTest, NetworksAreUnderstood) {

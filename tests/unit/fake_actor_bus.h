@@ -39,10 +39,10 @@ class FakeActorBus final : public ActorBus {
   }
 
   /// The actor's side.
-  SendResult Send(const EpisodeMessage& message) override {
+  SendResult Send(EpisodeMessage message) override {
     const std::lock_guard lock(mutex_);
     if (closed_) return SendResult::kClosed;
-    episodes_.push_back(message);
+    episodes_.push_back(std::move(message));
     changed_.notify_all();
     return SendResult::kSent;
   }

@@ -1,0 +1,71 @@
+"""What an actor needs: memory by environment slots, and time until it plays and has played."""
+
+import time
+
+from suite import _wire
+
+NAME = "footprint"
+HELP = "memory of a real actor process and of each further slot; time from its start to the first episode"
+SLOTS = (1, 2, 4, 8)
+
+
+def measure(options, record):
+    for number in range(1, options.rounds + 1):
+        def put(case, quantity, unit, value):
+            record(case=case, quantity=quantity, unit=unit, round=number, value=value,
+                   engine=options.engine)
+
+        for task in options.tasks[:1] if options.quick else options.tasks:
+            for slots in SLOTS[:2] if options.quick else SLOTS:
+                _memory(options, task, slots, put)
+            _start(options, task, put)
+
+
+def _actor(stage, slots):
+    return stage.start(stage.bin / "metronome-actor", "run", "--run", "swarm",
+                       "--domain", stage.domain, "--envs", slots)
+
+
+def _memory(options, task, slots, put):
+    """After three batches in which every slot has played."""
+    settings = ["--task", task, "--steps", 4 * slots * 500, "--set", f"collection.episodes_per_update={slots}",
+                "--set", "ppo.epochs=1", "--set", "ppo.minibatch=500"]
+    with _wire.stage(options, NAME) as stage:
+        learner = _wire.learner(stage, "udp", *settings)
+        actor = _actor(stage, slots)
+        learner.expect_update(3)
+        put(task, f"{slots} slots", "MB RSS", _wire.megabytes(actor, "VmRSS"))
+        assert learner.wait(_wire.PATIENCE) == 0, learner
+
+
+def _start(options, task, put):
+    """A learner waits already. Ready: the actor has loaded its scene, played the canonical episode
+    and joined; first episode: the learner has it and has learnt from it."""
+    settings = ["--task", task, "--steps", 500, "--set", "collection.episodes_per_update=1",
+                "--set", "ppo.epochs=1", "--set", "ppo.minibatch=500"]
+    with _wire.stage(options, NAME) as stage:
+        learner = _wire.learner(stage, "udp", *settings)
+        learner.expect_event("started")
+        begin = time.monotonic()
+        actor = _actor(stage, 1)
+        actor.expect_text("joined run")
+        put(task, "ready", "s", time.monotonic() - begin)
+        learner.expect_update(1)
+        whole = time.monotonic() - begin
+        assert learner.wait(_wire.PATIENCE) == 0, learner
+        put(task, "first episode", "s", whole - _wire.progress(stage)[0]["wall_update_seconds"])
+
+
+def _line(task, of):
+    sizes = {int(name.split()[0]): value for name, value in of.items() if name.endswith(" slots")}
+    least, most = min(sizes), max(sizes)
+    each = (sizes[most] - sizes[least]) / (most - least)
+    figures = [f"{sizes[least]:.1f}", f"{each:.1f}", f"{most} slots: {sizes[most]:.1f}"]
+    return [task, *figures, f"{of['ready']:.2f}", f"{of['first episode']:.2f}"]
+
+
+def table(rows):
+    lines = [_line(task, of) for task, of in _wire.medians(rows).items()]
+    head = ["task", "actor of 1 slot", "each further slot", "most measured", "ready", "first episode"]
+    return ("Resident memory of an actor process in MB, and seconds from its start until it can play and"
+            " until the learner has its first episode:\n\n" + _wire.markdown(head, lines))

@@ -1,0 +1,73 @@
+#include "tests/bench/swarm_bank.h"
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+#include <utility>
+
+#include "actor/metaworld/assets.h"
+#include "actor/metaworld/environment.h"
+#include "actor/rollout.h"
+#include "common/policy.h"
+#include "common/snapshot.h"
+#include "learner/trainer.h"
+
+namespace metronome::bench {
+
+EpisodeBank::EpisodeBank(RunConfig config, std::uint64_t recordings, std::uint64_t prepared)
+    : config_(std::move(config)), untrained_(SnapshotOf(Trainer::InitialState(config_), config_)) {
+  metaworld::EnvironmentOptions options;
+  options.assets = metaworld::DefaultAssetsPath();
+  const auto environment =
+      metaworld::MakeEnvironment(config_.environment().task(), std::move(options));
+  const std::atomic<bool> cancel{false};
+  for (std::uint64_t number = 0; number < recordings; ++number) {
+    recordings_.push_back(*PlayEpisode(config_, untrained_, number, *environment, cancel));
+  }
+  Prepare(prepared);
+}
+
+void EpisodeBank::Prepare(std::uint64_t count) {
+  prepared_.resize(count);
+  std::atomic<std::uint64_t> next{0};
+  std::vector<std::jthread> team;
+  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
+    team.emplace_back([&] {
+      for (std::uint64_t number = next++; number < count; number = next++) {
+        prepared_[number] = Decide(number, untrained_);
+      }
+    });
+  }
+}
+
+const Episode& EpisodeBank::RecordingOf(std::uint64_t number) const {
+  return recordings_[number % recordings_.size()];
+}
+
+EpisodeBank::Decisions EpisodeBank::Decide(std::uint64_t number,
+                                           const PolicySnapshot& snapshot) const {
+  const Episode& recording = RecordingOf(number);
+  Policy policy(config_, snapshot);
+  Decisions decisions;
+  for (std::int32_t t = 0; t < recording.length(); ++t) {
+    const float* observation = recording.observation.data() + std::size_t(t) * kObservationSize;
+    const Policy::Decision decision =
+        policy.Act(observation, t, ActionNoise(config_.seed(), number, t));
+    decisions.action.insert(decisions.action.end(), decision.action.begin(), decision.action.end());
+    decisions.log_prob.push_back(decision.log_prob);
+  }
+  return decisions;
+}
+
+Episode EpisodeBank::Make(std::uint64_t number, const PolicySnapshot& snapshot) const {
+  Episode episode = RecordingOf(number);
+  const bool is_prepared = snapshot.version == 0 && number < prepared_.size();
+  Decisions decisions = is_prepared ? prepared_[number] : Decide(number, snapshot);
+  episode.number = number;
+  episode.weights_version = snapshot.version;
+  episode.action = std::move(decisions.action);
+  episode.log_prob = std::move(decisions.log_prob);
+  return episode;
+}
+
+}  // namespace metronome::bench
