@@ -1,9 +1,14 @@
+#include <fastdds/rtps/builtin/data/ParticipantProxyData.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <condition_variable>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <mutex>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "common/dds/dds_bus.h"
@@ -71,34 +76,50 @@ TEST(DdsQosTest, ParticipantsAreLostAfterTheirLease) {
   EXPECT_EQ(discovery.leaseDuration_announcementperiod, eprosima::fastrtps::Duration_t(0.5));
 }
 
-/// The participants that one sees, by name, itself left out.
-std::set<std::string> Seen(const fdds::DomainParticipant& participant) {
-  std::set<std::string> names;
-  for (const std::string& name : participant.get_participant_names()) names.insert(name);
-  names.erase(participant.get_qos().name().to_string());
-  return names;
-}
+/// The names of the participants that one has discovered so far.
+class Sightings final : public fdds::DomainParticipantListener {
+ public:
+  using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
+
+  void on_participant_discovery(fdds::DomainParticipant* /*participant*/,
+                                Info&& discovered) override {
+    const std::lock_guard lock(mutex_);
+    if (discovered.status != Info::DISCOVERED_PARTICIPANT) return;
+    names_.insert(discovered.info.m_participantName.to_string());
+    changed_.notify_all();
+  }
+
+  /// Blocks until all of them are seen, or it takes too long. @return whom this one has seen.
+  std::set<std::string> WaitFor(const std::set<std::string>& names) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, Soon(), [&] {
+      return std::includes(names_.begin(), names_.end(), names.begin(), names.end());
+    });
+    return names_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::set<std::string> names_;
+};
 
 TEST(DdsQosTest, ActorsFindTheLearnerAndNotEachOther) {
   const BusOptions options = FreshRun();
   auto* factory = fdds::DomainParticipantFactory::get_instance();
+  std::array<Sightings, 3> seen;
   std::vector<fdds::DomainParticipant*> all;
   for (const std::string name : {"first", "second", "learner"}) {
     auto qos = dds::ParticipantQos(options, name == "learner" ? name : dds::kActorRole);
     qos.name(name);
-    all.push_back(factory->create_participant(options.domain, qos));
+    all.push_back(factory->create_participant(options.domain, qos, &seen[all.size()],
+                                              fdds::StatusMask::none()));
     ASSERT_NE(all.back(), nullptr);
   }
+  EXPECT_EQ(seen[2].WaitFor({"first", "second"}), (std::set<std::string>{"first", "second"}));
   // The actors were there first: had they heard each other, they would have done so by then.
-  const auto complete = [&] {
-    return Seen(*all[0]).contains("learner") && Seen(*all[1]).contains("learner") &&
-           Seen(*all[2]) == std::set<std::string>{"first", "second"};
-  };
-  const auto deadline = Soon();
-  while (!complete() && Clock::now() < deadline) std::this_thread::yield();
-  EXPECT_TRUE(complete());
-  EXPECT_EQ(Seen(*all[0]), std::set<std::string>{"learner"});
-  EXPECT_EQ(Seen(*all[1]), std::set<std::string>{"learner"});
+  EXPECT_EQ(seen[0].WaitFor({"learner"}), std::set<std::string>{"learner"});
+  EXPECT_EQ(seen[1].WaitFor({"learner"}), std::set<std::string>{"learner"});
   for (auto* participant : all) factory->delete_participant(participant);
 }
 
