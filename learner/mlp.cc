@@ -53,8 +53,8 @@ const Eigen::MatrixXf& Mlp::Forward(const float* parameters, const Eigen::Matrix
   for (std::size_t i = 0; i < layout_.hidden.size(); ++i) {
     const LayerSlice& slice = layout_.hidden[i];
     activation_[i].resize(slice.outputs, input.cols());
-    activation_[i].noalias() = WeightOf(parameters, slice) * *below;
-    activation_[i].colwise() += BiasOf(parameters, slice);
+    activation_[i].colwise() = BiasOf(parameters, slice);
+    activation_[i].noalias() += WeightOf(parameters, slice) * *below;
     TanhInPlace(activation_[i]);
     below = &activation_[i];
   }
@@ -62,8 +62,8 @@ const Eigen::MatrixXf& Mlp::Forward(const float* parameters, const Eigen::Matrix
   for (const HeadRun& run : runs) {
     const LayerSlice slice = HeadSlice(layout_, run.head);
     auto columns = output_.middleCols(run.begin, run.count);
-    columns.noalias() = WeightOf(parameters, slice) * below->middleCols(run.begin, run.count);
-    columns.colwise() += BiasOf(parameters, slice);
+    columns.colwise() = BiasOf(parameters, slice);
+    columns.noalias() += WeightOf(parameters, slice) * below->middleCols(run.begin, run.count);
   }
   return output_;
 }
@@ -71,7 +71,8 @@ const Eigen::MatrixXf& Mlp::Forward(const float* parameters, const Eigen::Matrix
 void Mlp::Backward(const float* parameters, const Eigen::MatrixXf& input,
                    const std::vector<HeadRun>& runs, const Eigen::MatrixXf& d_output,
                    float* gradient) {
-  std::fill_n(gradient, layout_.size, 0.0F);
+  // Heads without samples have no gradient; all else is overwritten below.
+  std::fill(gradient + layout_.head.weight, gradient + layout_.size, 0.0F);
   const std::size_t layers = layout_.hidden.size();
   const Eigen::MatrixXf& top = layers == 0 ? input : activation_.back();
   Eigen::MatrixXf* d_top = layers == 0 ? nullptr : &d_activation_.back();

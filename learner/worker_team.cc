@@ -1,7 +1,8 @@
 #include "learner/worker_team.h"
 
 #include <atomic>
-#include <barrier>
+#include <chrono>
+#include <cstdint>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -9,21 +10,40 @@
 #include "common/cpu_times.h"
 
 namespace metronome {
+namespace {
+
+// An update is hundreds of short rounds: waking a thread that sleeps takes tens of microseconds.
+constexpr std::chrono::microseconds kSpin{100};
+
+/// Blocks until `value` is not `old`: busily at first, then asleep.
+template <class T>
+void AwaitChange(const std::atomic<T>& value, T old) {
+  const auto deadline = std::chrono::steady_clock::now() + kSpin;
+  do {
+    for (int i = 0; i < 64; ++i) {
+      if (value.load(std::memory_order_acquire) != old) return;
+#if defined(__x86_64__)
+      __builtin_ia32_pause();
+#endif
+    }
+  } while (std::chrono::steady_clock::now() < deadline);
+  value.wait(old, std::memory_order_acquire);
+}
+
+}  // namespace
 
 struct WorkerTeam::Impl {
-  explicit Impl(int threads) : start(threads), done(threads) {
-    for (int i = 1; i < threads; ++i) {
-      workers.emplace_back([this] {
-        for (;;) {
-          start.arrive_and_wait();
-          if (stopping) return;
-          {
-            const CpuTimer timer(CpuUse::kUpdate);
-            Drain();
-          }
-          done.arrive_and_wait();
-        }
-      });
+  explicit Impl(int threads) {
+    for (int i = 1; i < threads; ++i) workers.emplace_back([this] { Work(); });
+  }
+
+  void Work() {
+    for (std::uint32_t seen = 0;; ++seen) {
+      AwaitChange(round, seen);
+      if (stopping) return;
+      const CpuTimer timer(CpuUse::kUpdate);
+      Drain();
+      if (--working == 0) working.notify_one();
     }
   }
 
@@ -31,13 +51,23 @@ struct WorkerTeam::Impl {
     for (std::size_t i = next++; i < count; i = next++) (*task)(i);
   }
 
-  // Everything below is written by the caller before `start` and read by workers after it.
+  void StartRound() {
+    working = static_cast<int>(workers.size());
+    ++round;
+    round.notify_all();
+  }
+
+  void AwaitWorkers() {
+    for (int left = working; left > 0; left = working) AwaitChange(working, left);
+  }
+
+  // Written by the caller before a round, read by workers in it.
   const std::function<void(std::size_t)>* task = nullptr;
   std::size_t count = 0;
-  std::atomic<std::size_t> next{0};
   bool stopping = false;
-  std::barrier<> start;
-  std::barrier<> done;
+  std::atomic<std::size_t> next{0};
+  std::atomic<std::uint32_t> round{0};  // begun so far
+  std::atomic<int> working{0};          // workers that have not ended this round
   std::vector<std::thread> workers;
 };
 
@@ -48,7 +78,7 @@ WorkerTeam::WorkerTeam(int threads) {
 
 WorkerTeam::~WorkerTeam() {
   impl_->stopping = true;
-  impl_->start.arrive_and_wait();
+  impl_->StartRound();
   for (std::thread& worker : impl_->workers) worker.join();
 }
 
@@ -56,9 +86,9 @@ void WorkerTeam::Run(std::size_t count, const std::function<void(std::size_t)>& 
   impl_->task = &task;
   impl_->count = count;
   impl_->next = 0;
-  impl_->start.arrive_and_wait();
+  impl_->StartRound();
   impl_->Drain();
-  impl_->done.arrive_and_wait();
+  impl_->AwaitWorkers();
 }
 
 }  // namespace metronome

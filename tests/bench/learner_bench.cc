@@ -1,5 +1,5 @@
-/// The learner's update alone: Trainer::Update on synthetic episodes (values, advantages, both
-/// networks, loss, clipping, Adam, all epochs), beside the machine's GEMM rate. One JSON line.
+/// The learner's epochs alone, on synthetic episodes: shuffling, both networks, loss, clipping and
+/// Adam, as an update makes them, beside the machine's GEMM rate. One JSON line.
 #include <Eigen/Core>
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -12,7 +12,9 @@
 #include "common/config.h"
 #include "common/policy.h"
 #include "common/snapshot.h"
+#include "learner/minibatch_step.h"
 #include "learner/trainer.h"
+#include "learner/training_batch.h"
 #include "learner/worker_team.h"
 
 namespace metronome {
@@ -108,9 +110,28 @@ double GemmRate(int threads, int repeats) {
   return 2.0 * kSize * kSize * kSize * threads / Median(seconds);
 }
 
+/// All epochs from `state`, which stays as it is.
+void MakeEpochs(const RunConfig& config, const TrainingBatch& batch, const TrainState& state,
+                WorkerTeam& team) {
+  MinibatchStep step(config, team);
+  OptimiserState optimiser{state.parameters, state.adam_m, state.adam_v, 0};
+  const auto minibatch = std::size_t(config.ppo().minibatch());
+  for (std::int32_t epoch = 0; epoch < config.ppo().epochs(); ++epoch) {
+    const std::vector<std::uint32_t> order =
+        Permutation(std::uint32_t(batch.size()),
+                    {RandomPurpose::kShuffle, config.seed(), 0, std::uint64_t(epoch)});
+    for (std::size_t begin = 0; begin < order.size(); begin += minibatch) {
+      const std::size_t end = std::min(begin + minibatch, order.size());
+      const std::vector<std::uint32_t> samples(order.begin() + std::ptrdiff_t(begin),
+                                               order.begin() + std::ptrdiff_t(end));
+      step.Run(batch, samples, {5e-4, 0.005}, optimiser);
+    }
+  }
+}
+
 void Run(const Options& options) {
   const RunConfig config = ConfigOf(options);
-  TrainState state = Trainer::InitialState(config);
+  const TrainState state = Trainer::InitialState(config);
   const PolicySnapshot snapshot = SnapshotOf(state, config);
   Policy policy(config, snapshot);
   std::vector<Episode> episodes;
@@ -118,10 +139,12 @@ void Run(const Options& options) {
     episodes.push_back(SyntheticEpisode(config, policy, std::uint64_t(i)));
   }
   const double gemm = GemmRate(options.threads, options.repeats);
+  WorkerTeam team(options.threads);
+  const TrainingBatch batch =
+      BuildBatch({config, episodes, snapshot, state.parameters.data(), 1.0F}, team);
   std::vector<double> seconds;
   for (int i = 0; i <= options.repeats; ++i) {
-    Trainer trainer(config, state, options.threads);  // every time from the same state
-    const double passed = Seconds([&] { trainer.Update(episodes); });
+    const double passed = Seconds([&] { MakeEpochs(config, batch, state, team); });
     if (i > 0) seconds.push_back(passed);  // the first one warms up
   }
   const double samples =
@@ -139,7 +162,7 @@ void Run(const Options& options) {
 
 int main(int argc, char** argv) {
   metronome::Options options;
-  CLI::App app("The learner's update alone, and the machine's GEMM rate; one JSON line");
+  CLI::App app("The learner's epochs alone, and the machine's GEMM rate; one JSON line");
   app.add_option("--width", options.width, "of both hidden layers")->capture_default_str();
   app.add_option("--minibatch", options.minibatch)->capture_default_str();
   app.add_option("--episodes", options.episodes, "an update, of 500 steps")->capture_default_str();
