@@ -8,7 +8,7 @@ namespace metronome {
 namespace {
 
 constexpr std::array<const char*, static_cast<std::size_t>(CpuUse::kCount)> kNames = {
-    "set-up", "physics", "reset", "policy", "rollout", "send", "receive", "check", "update", "save"};
+    "set-up", "physics", "reset", "policy", "rollout", "send", "check", "update", "save"};
 
 double Seconds(clockid_t clock) {
   timespec time{};

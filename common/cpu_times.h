@@ -17,7 +17,6 @@ enum class CpuUse : std::size_t {
   kPolicy,   // actor: mean, noise, log-probability
   kRollout,  // actor: what else an episode takes
   kSend,     // actor: an episode to its wire form and into the writer
-  kReceive,  // learner: taking samples from the readers, and their bookkeeping
   kCheck,    // learner: recomputing an episode's actions and log-probabilities
   kUpdate,   // learner: all threads of an update
   kSave,     // learner: checkpoints and progress

@@ -5,25 +5,26 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/activation.h"
 #include "common/gaussian.h"
 #include "common/network_input.h"
 
 namespace metronome {
 namespace {
 
-using Packet = Eigen::internal::packet_traits<float>::type;
-constexpr Eigen::Index kVector = Eigen::internal::packet_traits<float>::size;
+using namespace Eigen::internal;  // packet arithmetic
+using Packet = packet_traits<float>::type;
+constexpr Eigen::Index kVector = packet_traits<float>::size;
 
 }  // namespace
 
 Policy::Policy(const RunConfig& config, const PolicySnapshot& snapshot)
-    : shape_(ShapeOf(config)),
+    : version_(snapshot.version),
+      shape_(ShapeOf(config)),
       schedule_(shape_.heads, config.environment().horizon()),
       clip_(static_cast<float>(config.policy().observation_clip())),
       observation_mean_(snapshot.observation_mean),
       observation_inv_std_(snapshot.observation_inv_std),
-      input_(shape_.input()) {
+      input_(shape_.input(), kStates) {
   const MlpLayout layout = ActorLayout(shape_);
   const auto observations = static_cast<std::size_t>(shape_.observation);
   if (snapshot.parameters.size() != layout.size || observation_mean_.size() != observations ||
@@ -36,7 +37,7 @@ Policy::Policy(const RunConfig& config, const PolicySnapshot& snapshot)
   const float* parameters = snapshot.parameters.data();
   for (const LayerSlice& slice : layout.hidden) {
     hidden_.push_back(Transpose(parameters, slice, 0, slice.outputs));
-    activations_.emplace_back(hidden_.back().padded);
+    activations_.emplace_back(hidden_.back().padded, kStates);
   }
   for (std::int32_t head = 0; head < shape_.heads; ++head) {
     heads_.push_back(Transpose(parameters, layout.head, head * kActionSize, kActionSize));
@@ -70,51 +71,88 @@ Policy::Layer Policy::Transpose(const float* parameters, const LayerSlice& slice
 }
 
 /// Outputs [first, first + Vectors * kVector) of a layer, whose sums stay in registers.
-template <int Vectors>
-void Policy::ApplyTo(const Layer& layer, Eigen::Index first, const float* input, float* output) {
-  using namespace Eigen::internal;
-  Packet sums[Vectors];
-  for (int v = 0; v < Vectors; ++v) {
-    sums[v] = pload<Packet>(layer.bias.data() + first + v * kVector);
-  }
-  const float* weight = layer.weight_t.data() + first;
-  for (std::int32_t i = 0; i < layer.inputs; ++i, weight += layer.padded) {
-    const Packet x = pset1<Packet>(input[i]);
+template <int States, int Vectors>
+void Policy::Layer::ApplyTo(Eigen::Index first, const float* input, Eigen::Index input_stride,
+                            float* output, Eigen::Index output_stride) const {
+  Packet sums[States][Vectors];
+  for (int s = 0; s < States; ++s) {
     for (int v = 0; v < Vectors; ++v) {
-      sums[v] = pmadd(pload<Packet>(weight + v * kVector), x, sums[v]);
+      sums[s][v] = pload<Packet>(bias.data() + first + v * kVector);
     }
   }
-  for (int v = 0; v < Vectors; ++v) pstore(output + first + v * kVector, sums[v]);
+  const float* weight = weight_t.data() + first;
+  for (std::int32_t i = 0; i < inputs; ++i, weight += padded) {
+    Packet weights[Vectors];
+    for (int v = 0; v < Vectors; ++v) weights[v] = pload<Packet>(weight + v * kVector);
+    for (int s = 0; s < States; ++s) {
+      const Packet x = pset1<Packet>(input[i + s * input_stride]);
+      for (int v = 0; v < Vectors; ++v) sums[s][v] = pmadd(weights[v], x, sums[s][v]);
+    }
+  }
+  for (int s = 0; s < States; ++s) {
+    for (int v = 0; v < Vectors; ++v) {
+      pstore(output + s * output_stride + first + v * kVector, sums[s][v]);
+    }
+  }
 }
 
-void Policy::Apply(const Layer& layer, const float* input, float* output) {
-  constexpr int kTogether = 8;  // enough sums to hide an addition's latency
+template <int States>
+void Policy::Layer::Apply(const float* input, Eigen::Index input_stride, float* output,
+                          Eigen::Index output_stride) const {
+  constexpr int kTogether = 8 / States;  // eight sums hide an addition's latency
   Eigen::Index first = 0;
-  for (; first + kTogether * kVector <= layer.padded; first += kTogether * kVector) {
-    ApplyTo<kTogether>(layer, first, input, output);
+  for (; first + kTogether * kVector <= padded; first += kTogether * kVector) {
+    ApplyTo<States, kTogether>(first, input, input_stride, output, output_stride);
   }
-  for (; first < layer.padded; first += kVector) ApplyTo<1>(layer, first, input, output);
+  for (; first < padded; first += kVector) {
+    ApplyTo<States, 1>(first, input, input_stride, output, output_stride);
+  }
+}
+
+template <int States>
+void Policy::MeansOf(const float* observations, std::int32_t t,
+                     std::array<float, kActionSize>* means) {
+  for (int s = 0; s < States; ++s) {
+    WriteInput(shape_, observations + s * shape_.observation, observation_mean_.data(),
+               observation_inv_std_.data(), clip_, t + s, schedule_.horizon(),
+               input_.col(s).data());
+  }
+  const Eigen::MatrixXf* below = &input_;
+  for (std::size_t i = 0; i < hidden_.size(); ++i) {
+    Eigen::MatrixXf& output = activations_[i];
+    hidden_[i].Apply<States>(below->data(), below->rows(), output.data(), output.rows());
+    for (Eigen::Index j = 0; j < output.rows() * States; j += kVector) {
+      pstore(output.data() + j, ptanh(pload<Packet>(output.data() + j)));
+    }
+    below = &output;
+  }
+  for (int s = 0; s < States; ++s) {
+    heads_[schedule_.HeadAt(t + s)].Apply<1>(below->col(s).data(), 0, head_output_.data(), 0);
+    std::copy_n(head_output_.data(), kActionSize, means[s].begin());
+  }
 }
 
 std::array<float, kActionSize> Policy::Mean(const float* observation, std::int32_t t) {
-  const std::int32_t head = schedule_.HeadAt(t);
-  WriteInput(shape_, observation, observation_mean_.data(), observation_inv_std_.data(), clip_, t,
-             schedule_.horizon(), input_.data());
-  const float* layer_input = input_.data();
-  for (std::size_t i = 0; i < hidden_.size(); ++i) {
-    Apply(hidden_[i], layer_input, activations_[i].data());
-    TanhInPlace(activations_[i]);
-    layer_input = activations_[i].data();
-  }
-  Apply(heads_[head], layer_input, head_output_.data());
-  std::array<float, kActionSize> mean{};
-  std::copy_n(head_output_.data(), kActionSize, mean.begin());
+  std::array<float, kActionSize> mean;
+  MeansOf<1>(observation, t, &mean);
   return mean;
 }
 
+std::array<std::array<float, kActionSize>, Policy::kStates> Policy::Means(const float* observations,
+                                                                          std::int32_t t) {
+  std::array<std::array<float, kActionSize>, kStates> means;
+  MeansOf<kStates>(observations, t, means.data());
+  return means;
+}
+
 Policy::Decision Policy::Act(const float* observation, std::int32_t t, RandomStream noise) {
+  return ActAround(Mean(observation, t), t, noise);
+}
+
+Policy::Decision Policy::ActAround(const std::array<float, kActionSize>& mean, std::int32_t t,
+                                   RandomStream noise) const {
   Decision decision;
-  decision.mean = Mean(observation, t);
+  decision.mean = mean;
   decision.head = schedule_.HeadAt(t);
   const auto& stds = std_[decision.head];
   for (int i = 0; i < kActionSize; ++i) {

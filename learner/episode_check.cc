@@ -69,46 +69,68 @@ bool Equal(float given, float expected, double tolerance) {
                         : std::abs(double{given} - double{expected}) <= tolerance;
 }
 
-std::optional<std::string> CheckPolicy(const Episode& episode, const PolicySnapshot& snapshot,
-                                       const RunConfig& config) {
-  Policy policy(config, snapshot);
+std::optional<std::string> CheckStep(const Episode& episode, const Policy& policy,
+                                     const RunConfig& config, std::int32_t t,
+                                     const std::array<float, kActionSize>& mean) {
+  const Policy::Decision expected =
+      policy.ActAround(mean, t, ActionNoise(config.seed(), episode.number, t));
   const double tolerance = config.collection().check_tolerance();
-  const double share = config.collection().check_share();
+  const auto at = std::size_t(t);
+  bool equal = Equal(episode.log_prob[at], expected.log_prob, tolerance);
+  for (std::size_t i = 0; i < kActionSize; ++i) {
+    equal = equal && Equal(episode.action[at * kActionSize + i], expected.action[i], tolerance);
+  }
+  if (equal) return std::nullopt;
+  return "step " + std::to_string(t) + ": weights version " + std::to_string(policy.version()) +
+         " gives log-probability " + std::to_string(expected.log_prob) + ", the episode says " +
+         std::to_string(episode.log_prob[at]) + " (action or log-probability differ)";
+}
+
+const float* ObservationAt(const Episode& episode, std::int32_t t) {
+  return episode.observation.data() + std::size_t(t) * kObservationSize;
+}
+
+std::optional<std::string> CheckEveryStep(const Episode& episode, Policy& policy,
+                                          const RunConfig& config) {
+  std::int32_t t = 0;
+  for (; t + Policy::kStates <= episode.length(); t += Policy::kStates) {
+    const auto means = policy.Means(ObservationAt(episode, t), t);
+    for (int i = 0; i < Policy::kStates; ++i) {
+      if (auto reason = CheckStep(episode, policy, config, t + i, means[i])) return reason;
+    }
+  }
+  for (; t < episode.length(); ++t) {
+    const auto mean = policy.Mean(ObservationAt(episode, t), t);
+    if (auto reason = CheckStep(episode, policy, config, t, mean)) return reason;
+  }
+  return std::nullopt;
+}
+
+// The sample is seeded, by a counter that no action uses.
+std::optional<std::string> CheckSample(const Episode& episode, Policy& policy,
+                                       const RunConfig& config) {
   for (std::int32_t t = 0; t < episode.length(); ++t) {
-    // The sample of steps is seeded, by a counter that no action uses.
-    if (share < 1 &&
-        RandomStream(RandomPurpose::kShuffle, config.seed(), ~episode.number, std::uint64_t(t))
-                .Uniform() >= share) {
-      continue;
-    }
-    const auto at = std::size_t(t);
-    const Policy::Decision expected = policy.Act(episode.observation.data() + at * kObservationSize,
-                                                 t, ActionNoise(config.seed(), episode.number, t));
-    bool equal = Equal(episode.log_prob[at], expected.log_prob, tolerance);
-    for (std::size_t i = 0; i < kActionSize; ++i) {
-      equal = equal && Equal(episode.action[at * kActionSize + i], expected.action[i], tolerance);
-    }
-    if (!equal) {
-      return "step " + std::to_string(t) + ": weights version " + std::to_string(snapshot.version) +
-             " gives log-probability " + std::to_string(expected.log_prob) + ", the episode says " +
-             std::to_string(episode.log_prob[at]) + " (action or log-probability differ)";
-    }
+    RandomStream random(RandomPurpose::kShuffle, config.seed(), ~episode.number, std::uint64_t(t));
+    if (random.Uniform() >= config.collection().check_share()) continue;
+    const auto mean = policy.Mean(ObservationAt(episode, t), t);
+    if (auto reason = CheckStep(episode, policy, config, t, mean)) return reason;
   }
   return std::nullopt;
 }
 
 }  // namespace
 
-std::optional<std::string> CheckEpisode(const Episode& episode, const PolicySnapshot& snapshot,
+std::optional<std::string> CheckEpisode(const Episode& episode, Policy& policy,
                                         const RunConfig& config) {
-  if (episode.weights_version != snapshot.version) {
+  if (episode.weights_version != policy.version()) {
     return "weights version " + std::to_string(episode.weights_version) + " instead of " +
-           std::to_string(snapshot.version);
+           std::to_string(policy.version());
   }
   if (auto reason = CheckShape(episode, config)) return reason;
   if (auto reason = CheckFinite(episode)) return reason;
   if (auto reason = CheckSchedule(episode, config)) return reason;
-  return CheckPolicy(episode, snapshot, config);
+  return config.collection().check_share() >= 1 ? CheckEveryStep(episode, policy, config)
+                                                : CheckSample(episode, policy, config);
 }
 
 }  // namespace metronome

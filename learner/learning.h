@@ -25,7 +25,8 @@ class Learning {
   /// What actors act with at state.version, and at the version before (not at version 0).
   [[nodiscard]] virtual PolicySnapshot Snapshot(const TrainState& state) const = 0;
   [[nodiscard]] virtual PolicySnapshot PreviousSnapshot(const TrainState& state) const = 0;
-  /// Why the episode cannot be right under this snapshot, or std::nullopt. Also while Update runs.
+  /// Why the episode cannot be right under this snapshot, or std::nullopt. Also while Update runs;
+  /// one call at a time.
   [[nodiscard]] virtual std::optional<std::string> Check(const Episode& episode,
                                                          const PolicySnapshot& snapshot) const = 0;
 };

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <deque>
 #include <utility>
 
 #include "common/cpu_times.h"
@@ -30,12 +32,23 @@ class TrainerLearning final : public Learning {
   [[nodiscard]] std::optional<std::string> Check(const Episode& episode,
                                                  const PolicySnapshot& snapshot) const override {
     const CpuTimer timer(CpuUse::kCheck);
-    return CheckEpisode(episode, snapshot, config_);
+    return CheckEpisode(episode, PolicyOf(snapshot), config_);
   }
 
  private:
+  /// Episodes of two versions may come in turn (overlap), thousands of each.
+  Policy& PolicyOf(const PolicySnapshot& snapshot) const {
+    const auto known = std::find_if(policies_.begin(), policies_.end(), [&](const Policy& policy) {
+      return policy.version() == snapshot.version;
+    });
+    if (known != policies_.end()) return *known;
+    if (policies_.size() == 2) policies_.pop_front();
+    return policies_.emplace_back(config_, snapshot);
+  }
+
   RunConfig config_;
   Trainer trainer_;
+  mutable std::deque<Policy> policies_;  // of the latest versions checked
 };
 
 }  // namespace metronome

@@ -67,6 +67,20 @@ TEST_P(PolicyTest, MeanAgreesWithTheNetworksDefinitionAtEveryStep) {
   }
 }
 
+TEST_P(PolicyTest, SeveralStepsTogetherGiveTheBitsOfEachAlone) {
+  const RunConfig config = SmallConfig(GetParam());
+  Policy policy(config, RandomSnapshot(config));
+  RandomStream random(RandomPurpose::kEvaluate, 4, 5, 7);
+  std::vector<float> observations(Policy::kStates * kObservationSize);
+  for (int t = 0; t + Policy::kStates <= config.environment().horizon(); ++t) {
+    for (float& value : observations) value = float(3 * random.Normal());
+    const auto means = policy.Means(observations.data(), t);
+    for (int i = 0; i < Policy::kStates; ++i) {
+      EXPECT_EQ(means[i], policy.Mean(observations.data() + i * kObservationSize, t + i));
+    }
+  }
+}
+
 TEST_P(PolicyTest, TheLogProbabilityIsTheUnclippedActionsDensity) {
   const RunConfig config = SmallConfig(GetParam());
   const PolicySnapshot snapshot = RandomSnapshot(config);

@@ -156,13 +156,14 @@ TEST(EpisodeCheckTest, AcceptsTheActorsEpisodeAndNamesWhatIsWrongWithOthers) {
   const RunConfig config = SmallConfig();
   const TrainState state = Trainer::InitialState(config);
   const PolicySnapshot snapshot = SnapshotOf(state, config);
+  Policy policy(config, snapshot);
   const Episode good = testing::SyntheticEpisode(config, snapshot, 6);
-  EXPECT_EQ(CheckEpisode(good, snapshot, config), std::nullopt);
+  EXPECT_EQ(CheckEpisode(good, policy, config), std::nullopt);
 
   const auto reason_of = [&](auto spoil) {
     Episode bad = good;
     spoil(bad);
-    return CheckEpisode(bad, snapshot, config).value_or("accepted");
+    return CheckEpisode(bad, policy, config).value_or("accepted");
   };
   const auto expect_reason = [&](const std::string& reason, const std::string& part) {
     EXPECT_NE(reason.find(part), std::string::npos) << reason;
@@ -184,15 +185,45 @@ TEST(EpisodeCheckTest, AcceptsTheActorsEpisodeAndNamesWhatIsWrongWithOthers) {
                 "step 12");
 }
 
+TEST(EpisodeCheckTest, TheLastStepsOfAHorizonThatIsNoMultipleOfFourAreCheckedToo) {
+  RunConfig config = SmallConfig();
+  config.mutable_environment()->set_horizon(43);
+  const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+  Policy policy(config, snapshot);
+  Episode episode = testing::SyntheticEpisode(config, snapshot, 6);
+  EXPECT_EQ(CheckEpisode(episode, policy, config), std::nullopt);
+  episode.log_prob[42] = std::nextafter(episode.log_prob[42], 9.0F);
+  EXPECT_NE(CheckEpisode(episode, policy, config).value_or("accepted").find("step 42"),
+            std::string::npos);
+}
+
+TEST(EpisodeCheckTest, ASampleFindsAWrongStepInItAndNoOther) {
+  RunConfig config = SmallConfig();
+  config.mutable_collection()->set_check_share(0.3);
+  const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+  Policy policy(config, snapshot);
+  const Episode good = testing::SyntheticEpisode(config, snapshot, 6);
+  int found = 0;
+  for (std::size_t t = 0; t < good.log_prob.size(); ++t) {
+    Episode bad = good;
+    bad.log_prob[t] += 1;
+    found += CheckEpisode(bad, policy, config).has_value() ? 1 : 0;
+  }
+  EXPECT_EQ(CheckEpisode(good, policy, config), std::nullopt);
+  EXPECT_GE(found, 5);
+  EXPECT_LE(found, 20);
+}
+
 TEST(EpisodeCheckTest, AToleranceLetsSmallDifferencesPassAndNoLargeOnes) {
   RunConfig config = SmallConfig();
   const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+  Policy policy(config, snapshot);
   Episode episode = testing::SyntheticEpisode(config, snapshot, 6);
   episode.log_prob[9] += 1e-5F;
   config.mutable_collection()->set_check_tolerance(1e-4);
-  EXPECT_EQ(CheckEpisode(episode, snapshot, config), std::nullopt);
+  EXPECT_EQ(CheckEpisode(episode, policy, config), std::nullopt);
   episode.log_prob[9] += 1e-2F;
-  EXPECT_NE(CheckEpisode(episode, snapshot, config), std::nullopt);
+  EXPECT_NE(CheckEpisode(episode, policy, config), std::nullopt);
 }
 
 }  // namespace

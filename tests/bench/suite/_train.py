@@ -38,7 +38,7 @@ def cpu_seconds(logs):
             if " CPU seconds: " not in line:
                 continue
             for use, seconds in USES.findall(line.split(" CPU seconds: ")[1]):
-                use = "wire" if use in ("rest", "send", "receive") else use
+                use = "wire" if use in ("rest", "send") else use
                 uses[use] = uses.get(use, 0) + float(seconds)
     return uses
 
