@@ -8,9 +8,8 @@ from suite import _stats, peers
 NAME = "learner"
 HELP = "samples a second of the whole update, by width and minibatch, against PyTorch on the CPU"
 
-THREADS = [1, 2]
-WIDTHS = [64, 128, 256, 512]
-MINIBATCHES = [1000, 2500]
+# Width, minibatch, threads.
+CASES = [(64, 1000, 2), (128, 1000, 1), (128, 1000, 2), (128, 2500, 2), (256, 1000, 2), (512, 1000, 2)]
 
 
 def update(build, **options):
@@ -23,9 +22,8 @@ def update(build, **options):
 
 def measure(options, record):
     peers.ensure_installed(options.root)
-    cases = [(w, b, t) for w in WIDTHS for b in MINIBATCHES for t in THREADS]
     for round_number in range(1, options.rounds + 1):
-        for width, minibatch, threads in cases[:1] if options.quick else cases:
+        for width, minibatch, threads in CASES[:1] if options.quick else CASES:
             epochs = 10 if width <= 128 else 2
             ours = update(options.build, width=width, minibatch=minibatch, threads=threads, epochs=epochs, repeats=3)
             torch = peers.torch_update(
