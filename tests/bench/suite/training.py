@@ -18,7 +18,7 @@ USES = ["physics", "reset", "policy", "rollout", "wire", "check", "update", "sav
 
 def measure(options, record):
     peers.ensure_installed(options.root)
-    updates = 2 if options.quick else 16
+    updates = 2 if options.quick else 13
     for round_number in range(1, options.rounds + 1):
         for task in options.tasks:
             def note(quantity, value, unit="steps/s", engine=None):
@@ -29,7 +29,7 @@ def measure(options, record):
             note(OURS, _train.steady_rate(rows))
             for use in USES:
                 note(f"CPU {use}", uses.get(use, 0), "s")
-            torch = peers.torch_ppo(options.root, task, updates=1 if options.quick else 6)
+            torch = peers.torch_ppo(options.root, task, updates=1 if options.quick else 5)
             note(TORCH, torch["steps_per_second"], engine=peers.ENVPOOL_ENGINE)
             sb3 = peers.sb3_ppo(options.root, task, steps=16000)
             note(SB3, sb3["steps_per_second"], engine=peers.OFFICIAL_ENGINE)
