@@ -32,8 +32,8 @@ class CpuTimes {
   void Add(CpuUse use, double seconds);
   [[nodiscard]] double seconds(CpuUse use) const;
 
-  /// One line: "12.30 CPU seconds: physics 10.10, reset 0.31, ..., rest 0.50". Uses without time are
-  /// left out; the rest is what the process took beyond them.
+  /// One line: "12.30 CPU seconds: physics 10.10, reset 0.31, ..., rest 0.50". Uses without time
+  /// are left out; the rest is what the process took beyond them.
   [[nodiscard]] std::string Report() const;
 
  private:

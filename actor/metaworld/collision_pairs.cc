@@ -10,7 +10,8 @@ namespace metronome::metaworld {
 namespace {
 
 bool MayCollide(const mjModel& m, int geom1, int geom2) {
-  if (m.geom_type[geom1] == mjGEOM_PLANE && m.geom_type[geom2] == mjGEOM_PLANE) return false;
+  const auto [type1, type2] = std::minmax(m.geom_type[geom1], m.geom_type[geom2]);
+  if (mjCOLLISIONFUNC[type1][type2] == nullptr) return false;  // two planes
   return (m.geom_contype[geom1] & m.geom_conaffinity[geom2]) != 0 ||
          (m.geom_contype[geom2] & m.geom_conaffinity[geom1]) != 0;
 }

@@ -1,7 +1,7 @@
 /// The learner's epochs alone, on synthetic episodes: shuffling, both networks, loss, clipping and
 /// Adam, as an update makes them, beside the machine's GEMM rate. One JSON line.
-#include <Eigen/Core>
 #include <CLI/CLI.hpp>
+#include <Eigen/Core>
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -147,8 +147,7 @@ void Run(const Options& options) {
     const double passed = Seconds([&] { MakeEpochs(config, batch, state, team); });
     if (i > 0) seconds.push_back(passed);  // the first one warms up
   }
-  const double samples =
-      double(options.episodes) * config.environment().horizon() * options.epochs;
+  const double samples = double(options.episodes) * config.environment().horizon() * options.epochs;
   const double rate = samples / Median(seconds);
   std::printf(
       "{\"width\": %d, \"minibatch\": %d, \"threads\": %d, \"samples_per_second\": %.0f, "
