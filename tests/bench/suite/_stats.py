@@ -15,6 +15,11 @@ def median(of_rounds):
     return statistics.median(of_rounds.values())
 
 
+def medians(rows):
+    """{case: {quantity: median over the rounds}}, in the order measured."""
+    return {case: {name: median(rounds) for name, rounds in of.items()} for case, of in by_case(rows).items()}
+
+
 def median_ratio(a, b):
     """Median of each round's own ratio: what changes from round to round is the same for both."""
     return statistics.median(a[round_number] / b[round_number] for round_number in a if round_number in b)

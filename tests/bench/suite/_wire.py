@@ -4,7 +4,6 @@ import contextlib
 import csv
 import json
 import pathlib
-import statistics
 import sys
 import tempfile
 
@@ -72,20 +71,3 @@ def megabytes(process, field):
         if line.startswith(field + ":"):
             return float(line.split()[1]) / 1024
     return None
-
-
-def medians(rows):
-    """{case: {quantity: median over the rounds}}, in the order in which they came."""
-    values = {}
-    for row in rows:
-        values.setdefault(row["case"], {}).setdefault(row["quantity"], []).append(row["value"])
-    return {
-        case: {name: statistics.median(all_) for name, all_ in of.items()}
-        for case, of in values.items()
-    }
-
-
-def markdown(head, lines):
-    """A Markdown table; cells are texts."""
-    rows = [head, ["---"] + ["---:"] * (len(head) - 1), *lines]
-    return "\n".join("| " + " | ".join(row) + " |" for row in rows)

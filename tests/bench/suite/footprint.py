@@ -2,7 +2,7 @@
 
 import time
 
-from suite import _wire
+from suite import _stats, _wire
 
 NAME = "footprint"
 HELP = "memory of a real actor process and of each further slot; time from its start to the first episode"
@@ -65,7 +65,7 @@ def _line(task, of):
 
 
 def table(rows):
-    lines = [_line(task, of) for task, of in _wire.medians(rows).items()]
+    lines = [_line(task, of) for task, of in _stats.medians(rows).items()]
     head = ["task", "actor of 1 slot", "each further slot", "most measured", "ready", "first episode"]
     return ("Resident memory of an actor process in MB, and seconds from its start until it can play and"
-            " until the learner has its first episode:\n\n" + _wire.markdown(head, lines))
+            " until the learner has its first episode:\n\n" + _stats.markdown(head, lines))

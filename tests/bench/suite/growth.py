@@ -2,7 +2,7 @@
 
 import statistics
 
-from suite import _wire
+from suite import _stats, _wire
 
 NAME = "growth"
 HELP = "a real learner's intake from 1 to 256 simulated actors, and its memory over many updates"
@@ -83,7 +83,7 @@ def _intake_line(case, of):
 
 
 def table(rows):
-    all_ = _wire.medians(rows)
+    all_ = _stats.medians(rows)
     intake = [_intake_line(case, of) for case, of in all_.items() if "intake" in of]
     memory = [[case, *(f"{of[name]:.1f}" for name in ("second quarter", "last quarter", "highest"))]
               for case, of in all_.items() if "highest" in of]
@@ -91,7 +91,7 @@ def table(rows):
         "Intake of one learner, from its first order to the last episode of a batch of 2048 (92 KB each)."
         " Simulated actors share the machine's cores with it; `processes x slots`, and the share of steps"
         " that the learner recomputes:",
-        _wire.markdown(["", "MB/s", "episodes/s", "orders repeated", "actors' CPU, ms an episode"], intake),
+        _stats.markdown(["", "MB/s", "episodes/s", "orders repeated", "actors' CPU, ms an episode"], intake),
         "Memory of the learner, MB (medians of the second and the last quarter of the updates):",
-        _wire.markdown(["", "second quarter", "last quarter", "highest"], memory),
+        _stats.markdown(["", "second quarter", "last quarter", "highest"], memory),
     ])

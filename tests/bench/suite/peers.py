@@ -5,9 +5,10 @@ section of the benchmark, stepping alone; other sections interleave the training
 """
 
 import json
-import statistics
 import subprocess
 import sys
+
+from suite import _stats
 
 NAME = "peers"
 HELP = "control steps a second of EnvPool and of the official Python package, random actions"
@@ -77,12 +78,9 @@ def measure(options, record):
 
 def table(rows):
     """Markdown, one line a task: medians over the rounds."""
-    values = {}
-    for row in rows:
-        values.setdefault(row["case"], {}).setdefault(row["quantity"], []).append(row["value"])
     columns = list(dict.fromkeys(row["quantity"] for row in rows))
-    lines = ["| task | " + " | ".join(columns) + " |", "| --- |" + " ---: |" * len(columns)]
-    for case, of in values.items():
-        cells = (f"{statistics.median(of[name]):.0f}" if name in of else "" for name in columns)
-        lines.append(f"| {case} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    lines = [
+        [case, *(f"{of[name]:.0f}" if name in of else "" for name in columns)]
+        for case, of in _stats.medians(rows).items()
+    ]
+    return _stats.markdown(["task", *columns], lines)

@@ -2,7 +2,7 @@
 
 import statistics
 
-from suite import _wire
+from suite import _stats, _wire
 
 NAME = "transport"
 HELP = "processor time per episode at the actor and at the learner; latency of weights to 1, 4, 16 actors"
@@ -66,13 +66,13 @@ def _cost_line(case, of):
 
 
 def table(rows):
-    all_ = _wire.medians(rows)
+    all_ = _stats.medians(rows)
     costs = [_cost_line(case, of) for case, of in all_.items() if "actor" in of]
     weights = [[case, f"{of['median']:.2f}", f"{of['worst']:.2f}"] for case, of in all_.items() if "worst" in of]
     return "\n\n".join([
         "Milliseconds of processor time for one episode of 500 steps (92 KB), all threads of a process;"
         " the share is that of the actor's processor time which is not spent playing:",
-        _wire.markdown(["", "actor sends", "learner takes", "playing it", "share", "episodes/s"], costs),
+        _stats.markdown(["", "actor sends", "learner takes", "playing it", "share", "episodes/s"], costs),
         "Milliseconds from Publish until the last actor process has the snapshot (medians and worst of 50):",
-        _wire.markdown(["", "median", "worst"], weights),
+        _stats.markdown(["", "median", "worst"], weights),
     ])
