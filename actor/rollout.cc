@@ -55,8 +55,8 @@ class Stopwatch {
   }
 
   void Count() const {
-    const double share = (ThreadCpuSeconds() - cpu_begin_) /
-                         std::chrono::duration<double>(last_ - begin_).count();
+    const double share =
+        (ThreadCpuSeconds() - cpu_begin_) / std::chrono::duration<double>(last_ - begin_).count();
     for (std::size_t use = 0; use < laps_.size(); ++use) {
       CpuTimes::OfProcess().Add(CpuUse(use),
                                 share * std::chrono::duration<double>(laps_[use]).count());
