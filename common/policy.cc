@@ -11,9 +11,13 @@
 namespace metronome {
 namespace {
 
-using namespace Eigen::internal;  // packet arithmetic
-using Packet = packet_traits<float>::type;
-constexpr Eigen::Index kVector = packet_traits<float>::size;
+using Eigen::internal::pload;
+using Eigen::internal::pmadd;
+using Eigen::internal::pset1;
+using Eigen::internal::pstore;
+using Eigen::internal::ptanh;
+using Packet = Eigen::internal::packet_traits<float>::type;
+constexpr Eigen::Index kVector = Eigen::internal::packet_traits<float>::size;
 
 }  // namespace
 
