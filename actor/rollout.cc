@@ -42,8 +42,8 @@ void AppendStep(const Policy::Decision& decision, const metaworld::StepResult& s
   AppendObservation(step.observation, episode);
 }
 
-/// Shares out an episode's CPU time in proportion to the wall-clock time between laps: asking for
-/// CPU time at every step would cost more than the policy does.
+/// Shares out an episode's CPU time in proportion to the wall-clock time between laps: CPU time
+/// itself takes a system call, wall-clock time none.
 class Stopwatch {
  public:
   using Clock = std::chrono::steady_clock;
