@@ -1,9 +1,7 @@
 """The benchmarks still run; their figures are not judged."""
 
 import csv
-import os
 import subprocess
-import sys
 
 from harness import BUILD, ROOT
 
