@@ -2,8 +2,6 @@
 
 namespace metronome {
 
-void TanhInPlace(Eigen::VectorXf& values) { values = values.array().tanh(); }
-
 void TanhInPlace(Eigen::MatrixXf& values) { values = values.array().tanh(); }
 
 }  // namespace metronome

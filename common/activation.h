@@ -5,9 +5,8 @@
 namespace metronome {
 
 /// tanh of every element, by Eigen's vectorised rational approximation (pure arithmetic, no libm).
-/// Takes owning types only: they start at an aligned address, so that which elements the vector
+/// Takes an owning type only: it starts at an aligned address, so that which elements the vector
 /// loop covers - its remainder rounds otherwise - depends on the size alone.
-void TanhInPlace(Eigen::VectorXf& values);
 void TanhInPlace(Eigen::MatrixXf& values);
 
 }  // namespace metronome
