@@ -119,7 +119,7 @@ def test_an_interrupted_experiment_goes_on_in_another_checkout(stage):
         ('tasks = ["push"]', 'tasks = ["pus"]', "did you mean 'push'"),
         ('method = "ppo"', 'method = "pop"', "did you mean 'ppo'"),
         ("heads = 5", "heads = 51", "heads"),
-        ('"ppo.minibatch" = 50', '"ppo.minibach" = 50', "ppo.minibach"),
+        ('"ppo.minibatch" = 50', '"ppo.minibach" = 50', "minibatch"),
         ("steps = {steps}", "", "steps"),
         ("name =", "name", "line 2"),
     ],
