@@ -183,3 +183,6 @@ if __name__ == "__main__":
         sys.exit(main())
     except KeyboardInterrupt:  # during set-up: no run has begun
         sys.exit(130)
+    except BrokenPipeError:  # whoever reads --list has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)

@@ -37,11 +37,7 @@ class Slot:
         files.fetch()
         files.runs.mkdir(parents=True, exist_ok=True)
         self._log = open(files.runs / f"{cell.name}.log", "ab")
-        resume = files.started()
-        if resume:
-            # Milestones that were evaluated stay; the run's own files are cut back by --resume.
-            files.note_revision(self._settings.revision)
-        self._train = self._spawn(self._train_command(resume), subprocess.PIPE)
+        self._train = self._spawn(self._train_command(resume=files.started()), subprocess.PIPE)
         self._events.watch(self._train.stdout, self._on_train_says)
         self._under_way = False
 
@@ -49,7 +45,8 @@ class Slot:
         """@return whether the cell got done. @throws CellFailed."""
         if self.free:
             return False
-        self._note_revision()
+        if self.files.started():
+            self.files.note_revision(self._settings.revision)
         self._end_evaluation()
         if self._evaluate is None:
             self._begin_evaluation()
@@ -96,13 +93,9 @@ class Slot:
         return max(1, self._updates() // self._settings.milestones)
 
     def _milestones(self):
+        """Updates that are evaluated: the last one takes the place of one that lies close before it."""
         every, last = self._milestone_every(), self._updates()
-        return [v for v in range(every, last + 1, every) if v == last or v + every <= last] + (
-            [last] if last % every else [])
-
-    def _note_revision(self):
-        if self.files.started() and not self.files.revisions():
-            self.files.note_revision(self._settings.revision)
+        return [*range(every, last - every + 1, every), last]
 
     # Evaluation.
 
