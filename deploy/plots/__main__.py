@@ -13,9 +13,11 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 
 import cells  # noqa: E402
+import scores  # noqa: E402
 import style  # noqa: E402
 import tables  # noqa: E402
 from draw import controls, efficiency, final, heads, learning  # noqa: E402
+from names import arms_of, tasks_of  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 FIGURES = {
@@ -73,16 +75,29 @@ def shown(path):
     return str(path) if relative.startswith("..") else relative
 
 
+def summary(name, found):
+    counts = scores.seeds_text(seed_counts(found).values())
+    return f"{name}: {len(found)} runs, {len(tasks_of(found))} tasks, {len(arms_of(found))} arms, {counts} seeds each"
+
+
+def seed_counts(found):
+    """(task, arm) to seeds, of those that have any."""
+    counts = {}
+    for cell in found:
+        counts[cell.task, cell.arm] = counts.get((cell.task, cell.arm), 0) + 1
+    return counts
+
+
 def contents(experiments):
     """What the page was made from: seeds of each task and arm."""
-    lines = []
+    parts = []
     for name, found in experiments.items():
-        counts = {}
-        for cell in found:
-            counts[cell.task, cell.arm] = counts.get((cell.task, cell.arm), 0) + 1
-        lines.append(f"- `{name}`: {len(found)} runs ("
-                     + ", ".join(f"{task} {arm} {count}" for (task, arm), count in sorted(counts.items())) + ")")
-    return "\n".join(lines)
+        tasks, counts = tasks_of(found), seed_counts(found)
+        lines = [f"| {name} | " + " | ".join(tasks) + " |", "| --- |" + " ---: |" * len(tasks)]
+        lines += [f"| {arm} | " + " | ".join(str(counts.get((task, arm), 0)) for task in tasks) + " |"
+                  for arm in arms_of(found)]
+        parts.append("\n".join(lines))
+    return "\n\n".join(parts)
 
 
 def write_page(path, experiments, captions, made, suffix):
@@ -126,7 +141,8 @@ def main():
     unknown = [name for name in options.only or [] if name not in wanted]
     if unknown:
         parser.error(f"--only: no figure '{unknown[0]}'; there are: {', '.join(wanted)}")
-    print(contents(experiments))
+    for name, found in experiments.items():
+        print(summary(name, found))
     for folder in unfinished:
         print(f"  left out: {shown(folder)} is not finished (it has no run.json)")
     options.out.mkdir(parents=True, exist_ok=True)

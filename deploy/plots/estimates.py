@@ -128,6 +128,16 @@ def difference(x_by_seed, y_by_seed):
     return Difference(estimate, paired, _permutation_test(x, y), (len(x), len(y)))
 
 
+def pooled_difference(x_by_task, y_by_task):
+    """@param x_by_task, y_by_task  for each task: seed to score.
+    @return (mean over tasks of X less Y over the seeds that both have, how many tasks): of those tasks that
+    have `FEWEST` such seeds or more, or where none has, any; resampled in pairs within each task (see
+    `matrix`). None where there are fewer than two such tasks."""
+    pairs = [[x[seed] - y[seed] for seed in sorted(x.keys() & y.keys())] for x, y in zip(x_by_task, y_by_task)]
+    counted = [task for task in pairs if len(task) >= FEWEST] or [task for task in pairs if task]
+    return (_estimate(np.mean, matrix(counted)), len(counted)) if len(counted) > 1 else None
+
+
 def _mean_difference(x, y, axis):
     return x.mean(axis=axis) - y.mean(axis=axis)
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import curves
+import estimates
 from cells import Cell
 
 
@@ -50,9 +51,11 @@ def by_task(cells, arm, tasks, score):
 
 
 def shared_tasks(cells, tasks, arms, score):
-    """Those tasks of which every arm has a run: what can be averaged over and still be compared."""
-    return [task for task in tasks
-            if all(by_seed(select(cells, task, arm), score) for arm in arms)]
+    """What can be averaged over and still be compared: the tasks of which every arm has enough runs for an
+    interval, or where there are none, any runs."""
+    fewest = {task: min(len(by_seed(select(cells, task, arm), score)) for arm in arms) for task in tasks}
+    return ([task for task in tasks if fewest[task] >= estimates.FEWEST]
+            or [task for task in tasks if fewest[task] > 0])
 
 
 def seeds_text(counts):

@@ -49,7 +49,7 @@ _ENDS = (scores.RETURN, scores.SUCCESS, scores.SUCCESS_END, scores.DETERMINISTIC
 
 
 def _ends(cells):
-    """Final scores of each task and arm, and over the tasks that all arms have."""
+    """Final scores of each task and arm, and over tasks."""
     rows = []
     arms, tasks = names.arms_of(cells), names.tasks_of(cells)
     for task in tasks:
@@ -70,9 +70,9 @@ def _ends(cells):
               "success, deterministic", "at the last step")
     text = _table(header, rows) + f"\n\nInterquartile means over seeds. {MEANING} {INTERVAL}"
     if len(shared) > 1:
-        text += (" Over tasks, returns are divided by the largest possible one (10 a step, 5000 an episode), and "
-                 "where tasks have unequal numbers of seeds, as many of each as the task with the fewest has "
-                 "enter.")
+        text += (" Over tasks, returns are divided by the largest possible one (10 a step, 5000 an episode). Of tasks, "
+                 f"those enter of which every arm has at least {estimates.FEWEST} seeds (or any, where no task has so "
+                 "many); of seeds, as many of each task as the one with the fewest has.")
     return text
 
 
@@ -110,32 +110,54 @@ def improvement(experiments):
         f"counted half, averaged over the tasks. {INTERVAL}")
 
 
-def _difference_row(x, y, score):
-    found = estimates.difference(x, y)
-    n, m = found.seeds
-    return [f"{n}, {m}", _estimate_text(found.estimate, score.share, _signed),
-            "paired" if found.paired else "unpaired", "–" if found.p is None else f"{found.p:.3f}"]
+_COMPARED = (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC)
+_DIFFERENCE_COLUMNS = (" task", "seeds", " interval", "return", "p", "success, noise", "p",
+                       "success, deterministic", "p")
+
+
+def _difference_row(task, cells, against):
+    seeds, interval, row = "", "", []
+    for score in _COMPARED:
+        x, y = scores.by_seed(cells, score), scores.by_seed(against, score)
+        if not (x and y):
+            row += ["–", "–"]
+            continue
+        found = estimates.difference(x, y)
+        seeds = seeds or "{}, {}".format(*found.seeds)
+        interval = interval or ("paired" if found.paired else "unpaired")
+        row += [_estimate_text(found.estimate, score.share, _signed), "–" if found.p is None else f"{found.p:.3f}"]
+    return [task, seeds, interval, *row]
+
+
+def _difference_rows(compared):
+    """@param compared  (task, cells, cells to compare with) each, of one arm.
+    @return a row for each, and one over the tasks."""
+    rows, over_all, names_of = [_difference_row(*each) for each in compared], [], []
+    for score in _COMPARED:
+        found = estimates.pooled_difference(*([scores.by_seed(each[i], score) for each in compared] for i in (1, 2)))
+        over_all += [_estimate_text(found[0], score.share, _signed) if found else "–", "–"]
+        names_of += [f"{found[1]} tasks", str(found[0].seeds)] if found else []
+    return rows + ([[*names_of[:2], "paired", *over_all]] if names_of else [])
 
 
 def differences(experiments):
     cells = experiments.get("main", [])
     rows = []
     for arm in _baselines(cells):
-        for score in (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC):
-            for task in names.tasks_of(cells):
-                x, y = (scores.by_seed(scores.select(cells, task, name), score) for name in ("multihead", arm))
-                if x and y:
-                    rows.append([names.label_of(arm, cells), score.label, task, *_difference_row(x, y, score)])
+        compared = [(task, scores.select(cells, task, "multihead"), scores.select(cells, task, arm))
+                    for task in names.tasks_of(cells)]
+        compared = [each for each in compared if each[1] and each[2]]
+        rows += [[names.label_of(arm, cells), *row] for row in _difference_rows(compared)]
     if not rows:
         return None
-    header = (" multi-head less", " score at the end", " task", "seeds", "difference", " interval", "p")
-    return _table(header, rows) + f"\n\n{_DIFFERENCE} {TEST}"
+    return _table((" multi-head less", *_DIFFERENCE_COLUMNS), rows) + f"\n\n{_DIFFERENCE} {TEST}"
 
 
 _DIFFERENCE = (
-    f"Differences of means with 95 % percentile bootstrap intervals ({estimates.RESAMPLES} resamples): paired, over "
-    f"the differences of runs of equal seed, where at least {estimates.FEWEST} seeds are common; unpaired, each arm "
-    "resampled on its own, elsewhere.")
+    f"Differences of means at the end, with 95 % percentile bootstrap intervals ({estimates.RESAMPLES} resamples): "
+    f"paired, over the differences of runs of equal seed, where at least {estimates.FEWEST} seeds are common; "
+    "unpaired, each arm resampled on its own, elsewhere. Over tasks: the mean of the tasks' differences, pairs "
+    "resampled within each task, as many of each as the task with the fewest has; no test. " + MEANING)
 
 
 def time_to_success(experiments):
@@ -212,14 +234,15 @@ def public(experiments):
     if not rows:
         return None
     steps = f"{published.STEPS / 1e6:g}"
-    for task in names.in_order({row[0] for row in rows}, names.TASKS):
+    tasks = names.in_order({row[0] for row in rows}, names.TASKS)
+    for task in tasks:
         if task in published.SAC:
             rows += [[task, "SAC", steps, f"{published.SAC[task]:.2f}", "–"],
                      [task, "TD-MPC2", steps, f"about {published.TD_MPC2[task]:.1f}", "–"]]
         if task in published.APPO_RETURN:
             rows.append([task, "APPO of Sample Factory", f"{published.APPO_STEPS / 1e6:g}", "–",
                          str(published.APPO_RETURN[task])])
-    rows.sort(key=lambda row: names.in_order({row[0] for row in rows}, names.TASKS).index(row[0]))
+    rows.sort(key=lambda row: tasks.index(row[0]))
     return _table((" task", " who", "steps (M)", "success, deterministic", "return"), rows) + (
         "\n\nOthers' results are published ones (SAC and TD-MPC2: means of 3 seeds by the authors of TD-MPC2), "
         f"on their own settings of the tasks. {INTERVAL}")
@@ -239,17 +262,14 @@ def head_sweep(experiments):
 
 
 def control_differences(experiments):
-    rows = []
-    for arm, reference, task, cells, against in controls.pairs(experiments):
-        for score in controls.SHOWN:
-            x, y = scores.by_seed(cells, score), scores.by_seed(against, score)
-            if x and y:
-                rows.append([names.look_of(arm, [arm]).label, names.look_of(reference, [reference]).label, task,
-                             score.label, *_difference_row(x, y, score)])
+    found, rows = controls.pairs(experiments), []
+    for arm in names.in_order({arm for arm, *_ in found}, names.ARMS):
+        own = [row for row in found if row[0] == arm]
+        label, less = (names.look_of(name, [name]).label for name in own[0][:2])
+        rows += [[label, less, *row] for row in _difference_rows([row[2:] for row in own])]
     if not rows:
         return None
-    header = (" control", " less", " task", " score at the end", "seeds", "difference", " interval", "p")
-    return _table(header, rows) + f"\n\n{_DIFFERENCE} {TEST}"
+    return _table((" control", " less", *_DIFFERENCE_COLUMNS), rows) + f"\n\n{_DIFFERENCE} {TEST}"
 
 
 def solve(experiments):

@@ -1,5 +1,7 @@
 """What else might explain the gain of heads: every control against the arm that it controls for."""
 
+from matplotlib.ticker import MaxNLocator
+
 import estimates
 import names
 import scores
@@ -36,50 +38,72 @@ def pairs(experiments):
     return found
 
 
+def pooled(rows, score):
+    """@param rows  those of one arm.  @return as estimates.pooled_difference."""
+    x, y = ([scores.by_seed(row[column], score) for row in rows] for column in (3, 4))
+    return estimates.pooled_difference(x, y)
+
+
 def controls(experiments):
     rows = pairs(experiments)
     if not rows:
         return None
     arms = names.in_order({arm for arm, *_ in rows}, names.ARMS)
-    tasks = names.in_order({task for _, _, task, *_ in rows}, names.TASKS)
-    figure, axes = style.grid_of_panels(1, len(SHOWN), width=4.0, height=0.42 + 0.21 * (len(rows) + len(arms)),
-                                        sharey=True)
-    places, labels, y = [], [], 0.0
+    height = 0.42 + 0.2 * (len(rows) + 2.7 * len(arms))
+    figure, axes = style.grid_of_panels(1, len(SHOWN), width=3.9, height=height, sharey=True)
+    labels, titles, y = {}, {}, 0.0
     for arm in arms:
-        labels.append((y, arm, next(reference for name, reference, *_ in rows if name == arm)))
-        for task in tasks:
-            for name, _, where, cells, reference in rows:
-                if (name, where) == (arm, task):
-                    y -= 1
-                    places.append((y, task))
-                    for ax, score in zip(axes[0], SHOWN):
-                        _mark(ax, y, names.look_of(arm, arms), cells, reference, score)
-        y -= 1.4
+        own = [row for row in rows if row[0] == arm]
+        title = _title(arm, own[0][1], arms)
+        titles[y - 0.4 * title.count("\n")] = title
+        y -= 0.8 * title.count("\n")
+        for _, _, task, cells, against in own:
+            y -= 1
+            labels[y] = task
+            for ax, score in zip(axes[0], SHOWN):
+                _mark(ax, y, names.look_of(arm, arms), cells, against, score)
+        y -= 1
+        for ax, score in zip(axes[0], SHOWN):
+            found = pooled(own, score)
+            if found:
+                labels[y] = f"{found[1]} tasks"
+                dot(ax, y, found[0], names.look_of(arm, arms), upright=False, marker="D")
+        y -= 1.5
     for ax, score in zip(axes[0], SHOWN):
-        ax.axvline(0, color="black", linewidth=0.9)
-        ax.set_xlabel(f"difference of {score.label}")
-        ax.grid(visible=False, axis="y")
-        ax.tick_params(axis="y", length=0)
-    ax = axes[0, 0]
-    ax.set_yticks([*(at for at, _ in places), *(at for at, *_ in labels)],
-                  [*(task for _, task in places), *(_title(arm, reference, arms) for _, arm, reference in labels)])
-    for text in ax.get_yticklabels()[len(places):]:
-        text.set_fontweight("bold")
-    ax.set_ylim(y + 0.8, 0.8)
-    counts = [len(group) for *_, cells, reference in rows for group in (cells, reference)]
+        _finish_axis(ax, score)
+    _label_rows(axes[0, 0], labels, titles)
+    axes[0, 0].set_ylim(y + 0.9, 0.8)
+    counts = [len(group) for *_, cells, against in rows for group in (cells, against)]
     return figure, (
         f"Controls less the multi-head policy that they control for, at the end of training "
         f"({scores.seeds_text(counts)} seeds an arm and task); left of 0: the control is worse. Differences of "
         f"means with 95 % percentile bootstrap intervals ({estimates.RESAMPLES} resamples), paired by seed where "
-        f"{estimates.FEWEST} or more seeds are common; open dots: too few seeds for an interval.")
+        f"{estimates.FEWEST} or more seeds are common; diamonds: mean over the tasks, pairs resampled within each; "
+        "open: too few seeds for an interval.")
+
+
+def _finish_axis(ax, score):
+    ax.axvline(0, color="black", linewidth=0.9)
+    ax.set_xlabel(f"difference of {score.label}")
+    ax.grid(visible=False, axis="y")
+    ax.tick_params(axis="y", length=0)
+    ax.xaxis.set_major_locator(MaxNLocator(5))
+    if not score.share:
+        ax.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
+
+
+def _label_rows(ax, labels, titles):
+    ax.set_yticks([*labels, *titles], [*labels.values(), *titles.values()])
+    for text in ax.get_yticklabels()[len(labels):]:
+        text.set_fontweight("bold")
 
 
 def _title(arm, reference, arms):
     label = names.look_of(arm, arms).label
-    return label if reference == "multihead" else f"{label}\n(against {names.look_of(reference, [reference]).label})"
+    return label if reference == "multihead" else f"{label}\nless {names.look_of(reference, [reference]).label}"
 
 
-def _mark(ax, y, look, cells, reference, score):
-    x, base = scores.by_seed(cells, score), scores.by_seed(reference, score)
+def _mark(ax, y, look, cells, against, score):
+    x, base = scores.by_seed(cells, score), scores.by_seed(against, score)
     if x and base:
         dot(ax, y, estimates.difference(x, base).estimate, look, upright=False)

@@ -39,7 +39,8 @@ def efficiency(experiments):
         own = scores.select(cells, task)
         end = max(cell.steps for cell in own)
         counts = [learning.draw_arm(axes[0, j], scores.select(own, arm=arm), names.look_of(arm, arms),
-                                    "success", learning.DETERMINISTIC) for arm in arms]
+                                    "success", learning.DETERMINISTIC,
+                                    crowded=len(arms) > learning.MOST_WITH_SEEDS) for arm in arms]
         style.note(axes[0, j], "n = " + ", ".join(map(str, counts)))
         axes[0, j].set_title(task, loc="left")
         axes[0, j].set_ylim(-0.03, 1.03)

@@ -9,26 +9,25 @@ import style
 
 BASELINES = ("ppo", "ppo-time")
 _SHOWN = (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC)
-ALL = "all tasks"
 
 
 def dot(ax, x, estimate, look, upright=True, **options):
     """A point estimate with its interval; an open one where there is no interval."""
-    options = {"color": look.colour, "markersize": 6, **options}
+    options = {"color": look.colour, "marker": "o", "markersize": 6, **options}
     if estimate.low is None:
         xy = (x, estimate.value) if upright else (estimate.value, x)
-        ax.plot(*xy, "o", **{**options, "markerfacecolor": "white"})
+        ax.plot(*xy, **{**options, "linestyle": "", "markerfacecolor": "white"})
         return
     ends = [[max(0.0, estimate.value - estimate.low)], [max(0.0, estimate.high - estimate.value)]]
     if upright:
-        ax.errorbar(x, estimate.value, yerr=ends, fmt="o", elinewidth=2, capsize=0, **options)
+        ax.errorbar(x, estimate.value, yerr=ends, linestyle="", elinewidth=2, capsize=0, **options)
     else:
-        ax.errorbar(estimate.value, x, xerr=ends, fmt="o", elinewidth=2, capsize=0, **options)
+        ax.errorbar(estimate.value, x, xerr=ends, linestyle="", elinewidth=2, capsize=0, **options)
 
 
 def _by_task_panel(ax, cells, tasks, arms, score):
     shared = scores.shared_tasks(cells, tasks, arms, score)
-    groups = [(task, [task]) for task in tasks] + ([(ALL, shared)] if len(shared) > 1 else [])
+    groups = [(task, [task]) for task in tasks] + ([(f"{len(shared)} tasks", shared)] if len(shared) > 1 else [])
     step = 0.6 / max(1, len(arms))
     for i, (_, members) in enumerate(groups):
         for j, arm in enumerate(arms):
@@ -59,11 +58,13 @@ def _improvement_panel(ax, cells, tasks, arms):
             if shared:
                 rows.append((score, arm, estimates.probability_of_improvement(
                     *(scores.by_task(cells, name, shared, score) for name in ("multihead", arm)))))
-    for i, (_, arm, estimate) in enumerate(rows):
+    places = {}
+    for i, (score, arm, estimate) in enumerate(rows):
         dot(ax, -i, estimate, names.look_of(arm, arms), upright=False)
+        places.setdefault(score.label.replace(" ", "\n"), []).append(-i)
     ax.axvline(0.5, color="black", linewidth=0.9, linestyle=(0, (4, 3)))
-    ax.set_yticks([-i for i in range(len(rows))],
-                  [f"{score.label.replace('average ', '').replace(' under noise', ', noise')}" for score, *_ in rows])
+    ax.set_yticks([np.mean(rows_of) for rows_of in places.values()], list(places))
+    ax.tick_params(axis="y", length=0)
     ax.set_ylim(-len(rows) + 0.4, 0.6)
     ax.set_xlim(-0.03, 1.03)
     ax.grid(visible=False, axis="y")
@@ -105,6 +106,7 @@ def final(experiments):
         "last 10 updates of a run; deterministic: its last evaluation. Above: interquartile means over seeds "
         "(small dots), over tasks and seeds at the right; below: probability that a run of multi-head scores "
         "higher than one of the other arm on the same task (ties half), and performance profiles, over the "
-        "tasks that all arms have. Returns over tasks are divided by the largest possible one, 10 a step "
+        f"tasks of which every arm compared has at least {estimates.FEWEST} seeds (or any, where no task has so "
+        "many). Returns over tasks are divided by the largest possible one, 10 a step "
         f"(5000). Intervals: 95 % stratified bootstrap, {estimates.RESAMPLES} resamples, rliable; open dots: "
         f"fewer than {estimates.FEWEST} seeds, no interval.")

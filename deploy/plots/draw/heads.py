@@ -58,7 +58,7 @@ def _panel(ax, found, score):
         if not values:
             continue
         look = names.Look("", names.VERMILION if borrowed else names.BLUE)
-        ax.plot([k] * len(values), values, ".", color=look.colour, markersize=3.5, alpha=0.5)
+        ax.plot([k * 1.1] * len(values), values, ".", color=look.colour, markersize=3.5, alpha=0.5)
         estimate = estimates.iqm([values])
         dot(ax, k, estimate, look, zorder=3)
         means[k] = estimate.value

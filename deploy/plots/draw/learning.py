@@ -10,11 +10,12 @@ import scores
 import style
 
 NOISE, DETERMINISTIC = "under training noise", "deterministic policy"
-BAND = (f"Thin lines: single seeds. Thick: interquartile mean over seeds (of 5 the mean of the middle 3); "
+BAND = (f"Thin lines, where there are at most 3 arms: single seeds. Thick: interquartile mean over seeds (of 5 the mean of the middle 3); "
         f"band: 95 % stratified bootstrap ({estimates.RESAMPLES} resamples), drawn from "
         f"{estimates.FEWEST} seeds on. ")
 SMOOTHED = "Curves of training are trailing means over 4 % of the panel's shortest run. "
 EVALUATED = "Deterministic: mean action, on placements that no training run draws, at the milestones. "
+MOST_WITH_SEEDS = 3  # arms; lines of single seeds of more would hide each other
 COUNTS = "n: seeds of each arm, in the legend's order."
 
 
@@ -28,8 +29,9 @@ def _with_minutes(tables):
     return [{**table, "minutes": table["wall_seconds"] / 60} for table in tables]
 
 
-def draw_arm(ax, cells, look, column, source=NOISE, x="steps"):
-    """Seeds, interquartile mean and band of one arm.  @return how many seeds."""
+def draw_arm(ax, cells, look, column, source=NOISE, x="steps", crowded=False):
+    """Interquartile mean and band of one arm; its seeds one by one, unless the panel is `crowded`.
+    @return how many there are."""
     tables = _tables(cells, source)
     if not tables:
         return 0
@@ -41,16 +43,16 @@ def draw_arm(ax, cells, look, column, source=NOISE, x="steps"):
     else:
         grid, values = curves.common_rows(tables, column)
     style_of_line = {"color": look.colour, "linestyle": look.line, "marker": marker, "markersize": 3.2}
-    for row in values:
+    for row in values if not crowded or len(values) < estimates.FEWEST else []:
         ax.plot(grid, row, **{**style_of_line, "marker": ""}, linewidth=0.7, alpha=0.4)
     mean, low, high = estimates.band(values)
     if low is not None:
-        ax.fill_between(grid, low, high, color=look.colour, alpha=0.17, linewidth=0)
+        ax.fill_between(grid, low, high, color=look.colour, alpha=0.08 if crowded else 0.17, linewidth=0)
     ax.plot(grid, mean, **style_of_line, linewidth=2.0)
     return len(tables)
 
 
-def _finish_axis(ax, column, end, cells):
+def _finish_axis(ax, column, end):
     if column == "return":
         ax.set_ylim(bottom=0)
         ax.yaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
@@ -60,10 +62,10 @@ def _finish_axis(ax, column, end, cells):
 
 
 def _panel(ax, cells, arms, column, source):
-    counts = [draw_arm(ax, scores.select(cells, arm=arm), names.look_of(arm, arms), column, source)
-              for arm in arms]
+    counts = [draw_arm(ax, scores.select(cells, arm=arm), names.look_of(arm, arms), column, source,
+                       crowded=len(arms) > MOST_WITH_SEEDS) for arm in arms]
     style.note(ax, "n = " + ", ".join(str(count) if count else "–" for count in counts))
-    _finish_axis(ax, column, max(cell.steps for cell in cells), cells)
+    _finish_axis(ax, column, max(cell.steps for cell in cells))
 
 
 def curves_figure(cells, rows, arms=None, finish=lambda ax, task, row: None):
@@ -79,7 +81,8 @@ def curves_figure(cells, rows, arms=None, finish=lambda ax, task, row: None):
         for j, task in enumerate(tasks):
             ax = axes[i, j]
             _panel(ax, scores.select(cells, task), arms, column, source)
-            ax.set_title(task, loc="left")
+            if i == 0:
+                ax.set_title(task, loc="left")
             if j == 0:
                 ax.set_ylabel(label)
             if i == len(rows) - 1:
@@ -169,7 +172,7 @@ def wallclock(experiments):
     figure, axes = style.grid_of_panels(1, len(tasks))
     for ax, task in zip(axes[0], tasks):
         counts = [draw_arm(ax, scores.select(cells, task, arm), names.look_of(arm, arms), "success",
-                           x="minutes") for arm in arms]
+                           x="minutes", crowded=len(arms) > MOST_WITH_SEEDS) for arm in arms]
         style.note(ax, "n = " + ", ".join(str(count) if count else "–" for count in counts))
         ax.set_title(task, loc="left")
         ax.set_ylim(-0.03, 1.03)
