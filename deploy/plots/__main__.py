@@ -50,7 +50,7 @@ def parse_arguments():
 def drawings(experiments):
     """Name to drawing function of every figure that there may be."""
     others = [name for name in experiments if name not in _OWN_CURVES]
-    return FIGURES | {f"{name}-curves": lambda found, name=name: learning.every_curve(found[name])
+    return FIGURES | {f"{name}-curves": lambda found, name=name: learning.every_curve(found, name)
                       for name in others}
 
 

@@ -57,11 +57,13 @@ def arms_of(cells):
 
 
 def look_of(arm, arms):
-    """@param arms  all that are drawn together, so that unknown ones get different looks."""
+    """@param arms  all that are drawn together, so that each gets another look."""
     if arm in ARMS:
         return ARMS[arm]
+    taken = {(ARMS[name].colour, ARMS[name].line) for name in arms if name in ARMS}
+    free = [(colour, line) for line in _LINES for colour in _SPARE if (colour, line) not in taken]
     i = [name for name in arms if name not in ARMS].index(arm)
-    return Look(arm, _SPARE[i % len(_SPARE)], _LINES[i // len(_SPARE) % len(_LINES)])
+    return Look(arm, *free[i % len(free)])
 
 
 def label_of(arm, cells):

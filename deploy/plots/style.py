@@ -58,6 +58,15 @@ def millions(axis, end):
     axis.axes.set_xlim(0, end)
 
 
+def thousands(axis):
+    """Labels an axis of returns."""
+    axis.set_major_formatter(lambda value, _: f"{value:,.0f}".replace("-", "\N{MINUS SIGN}"))
+
+
+def nothing_yet(ax):
+    ax.text(0.5, 0.5, "no finished run has this", transform=ax.transAxes, ha="center", fontsize=8, color=GREY)
+
+
 def note(ax, text):
     """Small print above the panel's right corner."""
     ax.text(1.0, 1.02, text, transform=ax.transAxes, ha="right", va="bottom", fontsize=8, color=GREY)

@@ -107,7 +107,8 @@ def improvement(experiments):
         return None
     return _table((" multi-head over", " score at the end", "tasks", "seeds", "probability"), rows) + (
         "\n\nProbability that a run of multi-head scores higher than one of the other arm on the same task, ties "
-        f"counted half, averaged over the tasks. {INTERVAL}")
+        f"counted half, averaged over the tasks. {INTERVAL} An interval of no width says that all runs of one arm were "
+        "better than all of the other, not that this is certain.")
 
 
 _COMPARED = (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC)

@@ -89,7 +89,7 @@ def _finish_axis(ax, score):
     ax.tick_params(axis="y", length=0)
     ax.xaxis.set_major_locator(MaxNLocator(5))
     if not score.share:
-        ax.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
+        style.thousands(ax.xaxis)
 
 
 def _label_rows(ax, labels, titles):

@@ -42,6 +42,9 @@ def efficiency(experiments):
                                     "success", learning.DETERMINISTIC,
                                     crowded=len(arms) > learning.MOST_WITH_SEEDS) for arm in arms]
         style.note(axes[0, j], "n = " + ", ".join(map(str, counts)))
+        if not any(counts):
+            style.nothing_yet(axes[0, j])
+            style.nothing_yet(axes[1, j])
         axes[0, j].set_title(task, loc="left")
         axes[0, j].set_ylim(-0.03, 1.03)
         marks.append(learning.published_marks(axes[0, j], task, end))

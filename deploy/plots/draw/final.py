@@ -40,6 +40,9 @@ def _by_task_panel(ax, cells, tasks, arms, score):
                 dot(ax, x, estimates.iqm(found), names.look_of(arm, arms))
     if len(groups) > len(tasks):
         ax.axvline(len(tasks) - 0.5, color=style.GREY, linewidth=0.8)
+    if not scores.by_seed(cells, score):
+        style.nothing_yet(ax)
+    ax.set_xlim(-0.5, len(groups) - 0.5)
     ax.set_xticks(range(len(groups)), [name.replace(" ", "\n").replace("-", "-\n") for name, _ in groups])
     ax.grid(visible=False, axis="x")
     ax.set_title(score.label, loc="left")
@@ -47,7 +50,7 @@ def _by_task_panel(ax, cells, tasks, arms, score):
         ax.set_ylim(-0.03, 1.03)
     else:
         ax.set_ylim(bottom=0)
-        ax.yaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
+        style.thousands(ax.yaxis)
 
 
 def _improvement_panel(ax, cells, tasks, arms):

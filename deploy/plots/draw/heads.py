@@ -70,4 +70,4 @@ def _panel(ax, found, score):
         ax.set_ylim(-0.03, 1.03)
     else:
         ax.set_ylim(bottom=0)
-        ax.yaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
+        style.thousands(ax.yaxis)

@@ -55,7 +55,7 @@ def draw_arm(ax, cells, look, column, source=NOISE, x="steps", crowded=False):
 def _finish_axis(ax, column, end):
     if column == "return":
         ax.set_ylim(bottom=0)
-        ax.yaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
+        style.thousands(ax.yaxis)
     else:
         ax.set_ylim(-0.03, 1.03)
     style.millions(ax.xaxis, end)
@@ -65,6 +65,8 @@ def _panel(ax, cells, arms, column, source):
     counts = [draw_arm(ax, scores.select(cells, arm=arm), names.look_of(arm, arms), column, source,
                        crowded=len(arms) > MOST_WITH_SEEDS) for arm in arms]
     style.note(ax, "n = " + ", ".join(str(count) if count else "–" for count in counts))
+    if not any(counts):
+        style.nothing_yet(ax)
     _finish_axis(ax, column, max(cell.steps for cell in cells))
 
 
@@ -125,11 +127,18 @@ def ablation(experiments):
                         "The paper shows two tasks, this all four. " + BAND + SMOOTHED + COUNTS)
 
 
-def every_curve(cells):
-    """For experiments that have no figure of their own kind."""
-    made = curves_figure(cells, [RETURN_ROW, *SUCCESS_ROWS])
-    return _with_legend(made, "Return and success against environment steps. " + BAND + SMOOTHED
-                        + EVALUATED + COUNTS)
+def every_curve(experiments, name):
+    """For experiments that have no figure of their own kind; beside them main's multi-head, where they
+    have none themselves and their runs are as long."""
+    cells = experiments[name]
+    tasks, lengths = names.tasks_of(cells), {cell.steps for cell in cells}
+    compared = [] if scores.select(cells, arm="multihead") else [
+        cell for cell in scores.select(experiments.get("main", []), arm="multihead")
+        if cell.task in tasks and cell.steps in lengths]
+    made = curves_figure(cells + compared, [RETURN_ROW, *SUCCESS_ROWS])
+    return _with_legend(made, f"Experiment {name}: return and success against environment steps. "
+                        + ("Multi-head is that of experiment main. " if compared else "")
+                        + BAND + SMOOTHED + EVALUATED + COUNTS)
 
 
 def published_marks(ax, task, end):
