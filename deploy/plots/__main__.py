@@ -111,11 +111,21 @@ def write_page(path, experiments, captions, made, suffix):
     print(f"  {shown(path)}", flush=True)
 
 
+def unknown_mark(page):
+    """@return a mark of the page that nothing would ever fill, or None."""
+    for kind, name in re.findall(r"<!-- (table|figure) (.*?) -->", page.read_text(encoding="utf-8")):
+        known = tables.TABLES if kind == "table" else FIGURES
+        if name not in known and not (kind == "figure" and name.endswith("-curves")):
+            return f"<!-- {kind} {name} -->"
+    return None
+
+
 def fill_page(page, blocks):
     """Replaces what stands between the marks of `blocks`, (kind, name) to Markdown."""
     text = page.read_text(encoding="utf-8")
     for (kind, name), block in blocks.items():
-        pattern = re.compile(rf"(<!-- {kind} {re.escape(name)} -->\n).*?(<!-- end -->)", re.DOTALL)
+        # Up to the next mark of an end, but never over that of a beginning.
+        pattern = re.compile(rf"(<!-- {kind} {re.escape(name)} -->\n)(?:(?!<!-- ).)*(<!-- end -->)", re.DOTALL)
         text = pattern.sub(lambda match: f"{match[1]}\n{block}\n\n{match[2]}", text)
     page.write_text(text, encoding="utf-8")
     print(f"  {shown(page)}", flush=True)
@@ -132,6 +142,9 @@ def main():
     parser, options = parse_arguments()
     if options.page and not options.page.is_file():
         parser.error(f"--page: there is no file {options.page}")
+    if options.page and unknown_mark(options.page):
+        parser.error(f"--page: {options.page} has {unknown_mark(options.page)}; there are figures "
+                     f"{', '.join(FIGURES)}, EXPERIMENT-curves, and tables {', '.join(tables.TABLES)}")
     try:
         experiments, unfinished = cells.read_results(options.results)
     except cells.ResultsError as error:

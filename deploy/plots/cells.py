@@ -57,6 +57,12 @@ def _number(text, column, where):
     return value
 
 
+def _check_last_line(path, number):
+    """A number that was cut is a number all the same."""
+    if not path.read_bytes().endswith(b"\n"):
+        raise ResultsError(f"{path}:{number}: the line does not end; the file was cut")
+
+
 def read_table(path, columns, keep=lambda row: True):
     """@return those of the CSV file's `columns`, as arrays, from the rows that `keep`.
     @throws ResultsError naming the file and the line of what is wrong."""
@@ -78,6 +84,7 @@ def read_table(path, columns, keep=lambda row: True):
                     values.append([_number(record[column], column, where) for column in columns])
                     if len(values) > 1 and values[-1][0] <= values[-2][0]:
                         raise ResultsError(f"{where}: {columns[0]} does not grow")
+            _check_last_line(path, reader.line_num)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ResultsError(f"{path} cannot be read: {error}") from None
     return dict(zip(columns, np.array(values, dtype=float).reshape(-1, len(columns)).T))

@@ -49,7 +49,9 @@ def test_a_cell_without_evaluation_is_used(folder):
 
 
 @pytest.mark.parametrize("change, said", [
-    (lambda line: line.replace(",", ";"), "fields where"),
+    (lambda line: line.replace(",", ";"), "1 fields where"),
+    (lambda line: line.rsplit(",", 1)[0] + "\n", "8 fields where the first line names 9"),
+    (lambda line: line.strip() + ",1\n", "10 fields where"),
     (lambda line: line[: len(line) // 2], "fields where|cannot be a value"),
     (lambda line: "x" + line, "column steps"),
     (lambda line: line.replace(",", ",nan,", 1).rsplit(",", 1)[0] + "\n", "cannot be a value"),
@@ -58,6 +60,13 @@ def test_a_cell_without_evaluation_is_used(folder):
 def test_a_damaged_row_names_file_and_line(folder, change, said):
     replace_line(folder / "progress.csv", 7, change)
     with pytest.raises(cells.ResultsError, match=rf"push-ppo-time-s3/progress\.csv:7: .*({said})"):
+        cells.read_cell(folder)
+
+
+def test_a_file_cut_inside_its_last_number_is_damaged(folder):
+    path = folder / "progress.csv"
+    path.write_bytes(path.read_bytes()[:-3])
+    with pytest.raises(cells.ResultsError, match=r"progress\.csv:51: .* cut"):
         cells.read_cell(folder)
 
 

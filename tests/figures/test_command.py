@@ -24,7 +24,8 @@ def digests(folder):
 def results(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
     synthetic.main_experiment(folder, seeds=3, tasks=["push"], updates=20)
-    (folder / "main" / "push-ppo-s3" / "run.json").unlink()
+    for seed in (2, 3):
+        (folder / "main" / f"push-ppo-time-s{seed}" / "run.json").unlink()
     synthetic.cell(folder, "later", "reach", "some-arm", 1)
     return folder
 
@@ -33,7 +34,7 @@ def test_the_same_results_give_the_same_bytes(results, tmp_path):
     page = tmp_path / "page.md"
     page.write_text("before\n<!-- table final -->\nold\n<!-- end -->\n<!-- figure main -->\n<!-- end -->\nafter\n")
     said = figures("--results", results, "--out", tmp_path / "a", "--page", page)
-    assert "push-ppo-s3 is not finished" in said and "main: 8 runs" in said
+    assert "push-ppo-time-s3 is not finished" in said and "main: 7 runs" in said
     figures("--results", results, "--out", tmp_path / "b")
     made = digests(tmp_path / "a")
     assert made == digests(tmp_path / "b")
@@ -42,15 +43,15 @@ def test_the_same_results_give_the_same_bytes(results, tmp_path):
     assert all(path.stat().st_size < 300_000 for path in (tmp_path / "a").iterdir())
     text = page.read_text()
     assert text.startswith("before\n") and text.endswith("after\n") and "old" not in text
-    assert "| push | PPO | 2 | " in text and "![main](a/main.png)" in text
+    assert "| push | PPO | 3 | " in text and "![main](a/main.png)" in text
 
 
 @pytest.mark.parametrize("form", ["svg", "pdf"])
 def test_vector_figures_have_the_same_bytes_too(results, tmp_path, form):
     for name in ("a", "b"):
-        figures("--results", results, "--out", tmp_path / name, "--only", "ablation", "--format", form)
+        figures("--results", results, "--out", tmp_path / name, "--only", "later-curves", "--format", form)
     assert digests(tmp_path / "a") == digests(tmp_path / "b")
-    assert list(digests(tmp_path / "a")) == [f"ablation.{form}"]
+    assert list(digests(tmp_path / "a")) == [f"later-curves.{form}"]
 
 
 def test_no_results_exit_with_two(tmp_path):
@@ -68,3 +69,10 @@ def test_a_damaged_file_exits_with_two_and_is_named(tmp_path):
 def test_an_unknown_figure_is_answered_with_those_there_are(results, tmp_path):
     said = figures("--results", results, "--out", tmp_path / "a", "--only", "mian", code=2)
     assert "'mian'" in said and "main-success" in said and "later-curves" in said
+
+
+def test_a_page_with_a_mark_that_nothing_fills_is_refused(results, tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("<!-- table finale -->\n<!-- end -->\n")
+    assert "<!-- table finale -->" in figures("--results", results, "--page", page, code=2)
+    assert not (results / "figures").exists()
