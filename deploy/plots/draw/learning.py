@@ -10,12 +10,12 @@ import scores
 import style
 
 NOISE, DETERMINISTIC = "under training noise", "deterministic policy"
-BAND = (f"Thin lines, where there are at most 3 arms: single seeds. Thick: interquartile mean over seeds (of 5 the mean of the middle 3); "
-        f"band: 95 % stratified bootstrap ({estimates.RESAMPLES} resamples), drawn from "
+MOST_WITH_SEEDS = 3  # arms; lines of single seeds of more would hide each other
+BAND = (f"Thin lines, where there are at most {MOST_WITH_SEEDS} arms: single seeds. Thick: interquartile mean over "
+        f"seeds (of 5 the mean of the middle 3); band: 95 % stratified bootstrap ({estimates.RESAMPLES} resamples), drawn from "
         f"{estimates.FEWEST} seeds on. ")
 SMOOTHED = "Curves of training are trailing means over 4 % of the panel's shortest run. "
 EVALUATED = "Deterministic: mean action, on placements that no training run draws, at the milestones. "
-MOST_WITH_SEEDS = 3  # arms; lines of single seeds of more would hide each other
 COUNTS = "n: seeds of each arm, in the legend's order."
 
 
