@@ -12,9 +12,9 @@ import style
 NOISE, DETERMINISTIC = "under training noise", "deterministic policy"
 MOST_WITH_SEEDS = 3  # arms; lines of single seeds of more would hide each other
 BAND = (f"Thin lines, where there are at most {MOST_WITH_SEEDS} arms: single seeds. Thick: interquartile mean over "
-        f"seeds (of 5 the mean of the middle 3); band: 95 % stratified bootstrap ({estimates.RESAMPLES} resamples), drawn from "
-        f"{estimates.FEWEST} seeds on. ")
-SMOOTHED = "Curves of training are trailing means over 4 % of the panel's shortest run. "
+        f"seeds (of 5 the mean of the middle 3); band: 95 % stratified bootstrap ({estimates.RESAMPLES} resamples), "
+        f"drawn from {estimates.FEWEST} seeds on. ")
+SMOOTHED = "Curves of training are trailing means over 4 % of the arm's shortest run. "
 EVALUATED = "Deterministic: mean action, on placements that no training run draws, at the milestones. "
 COUNTS = "n: seeds of each arm, in the legend's order."
 
