@@ -36,15 +36,20 @@ void Summarise(Evaluation& evaluation) {
   const auto count = static_cast<double>(evaluation.episodes.size());
   std::int64_t successes = 0;
   std::int64_t successes_end = 0;
+  std::int64_t steps = 0;
   double returns = 0;
   for (const EvaluatedEpisode& episode : evaluation.episodes) {
     successes += episode.success ? 1 : 0;
     successes_end += episode.success_end ? 1 : 0;
+    steps += episode.steps_to_success;
     returns += episode.episode_return;
   }
   evaluation.success = static_cast<double>(successes) / count;
   evaluation.success_end = static_cast<double>(successes_end) / count;
   evaluation.mean_return = returns / count;
+  if (successes > 0) {
+    evaluation.time_to_success = static_cast<double>(steps) / static_cast<double>(successes);
+  }
   WilsonInterval(successes, static_cast<std::int64_t>(evaluation.episodes.size()),
                  evaluation.success_low, evaluation.success_high);
 }
@@ -98,6 +103,8 @@ void PrintJson(const Evaluation& evaluation, const Checkpoint& checkpoint, const
   json["success_high"] = evaluation.success_high;
   json["success_end"] = evaluation.success_end;
   json["return"] = evaluation.mean_return;
+  json["time_to_success"] = nullptr;
+  if (evaluation.time_to_success) json["time_to_success"] = *evaluation.time_to_success;
   json["engine_trained"] = checkpoint.engine;
   json["engine_used"] = EngineName();
   out << json.dump(2) << '\n';
@@ -112,6 +119,9 @@ void PrintText(const Evaluation& evaluation, const Checkpoint& checkpoint, const
       << " to " << evaluation.success_high << ")\n"
       << "success_end  " << evaluation.success_end << '\n'
       << "return       " << evaluation.mean_return << '\n';
+  if (evaluation.time_to_success) {
+    out << "first success after " << *evaluation.time_to_success << " steps in the mean\n";
+  }
 }
 
 void RequireValid(const EvaluateOptions& options) {
@@ -164,6 +174,7 @@ EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot
     observation = AsPolicySees(step.observation);
     result.episode_return += step.reward;
     result.success_end = step.info.success;
+    if (step.info.success && !result.success) result.steps_to_success = t + 1;
     result.success = result.success || step.info.success;
   }
   return result;

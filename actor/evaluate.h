@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,9 @@ struct EvaluateOptions {
 
 /// One episode under the deterministic policy.
 struct EvaluatedEpisode {
-  bool success = false;      // at any step
-  bool success_end = false;  // at the last step
+  bool success = false;               // at any step
+  bool success_end = false;           // at the last step
+  std::int32_t steps_to_success = 0;  // steps taken when it first succeeded; 0 if it never did
   double episode_return = 0;
 };
 
@@ -36,6 +38,8 @@ struct Evaluation {
   double success_high = 0;
   double success_end = 0;
   double mean_return = 0;
+  /// Mean of steps_to_success over the episodes that succeeded; none if none did.
+  std::optional<double> time_to_success;
 };
 
 /// Wilson score interval of `successes` out of `trials`, at 1.96 standard deviations

@@ -60,9 +60,11 @@ void RequireShape(const Checkpoint& checkpoint, const RunConfig& config, const s
 class CheckpointStore {
  public:
   /// Makes the folder if needed and removes what a killed writer left half-written.
-  /// @param keep  newest files that pruning leaves, at least 1.
+  /// @param keep             newest files that pruning leaves, at least 1.
+  /// @param milestone_every  versions that are multiples of it are never pruned, nor counted among
+  ///                         the newest; 0: none.
   /// @throws std::system_error if the folder cannot be made.
-  CheckpointStore(std::string folder, int keep);
+  CheckpointStore(std::string folder, int keep, int milestone_every = 0);
 
   /// Writes the file, points `latest` at it and prunes. The old checkpoint stays until the new
   /// one is safely on disk. @return the path.
@@ -78,6 +80,7 @@ class CheckpointStore {
 
   std::string folder_;
   int keep_;
+  std::uint64_t milestone_every_;
 };
 
 }  // namespace metronome

@@ -37,8 +37,10 @@ std::map<std::uint64_t, fs::path> FilesIn(const fs::path& folder) {
 
 }  // namespace
 
-CheckpointStore::CheckpointStore(std::string folder, int keep)
-    : folder_(std::move(folder)), keep_(keep) {
+CheckpointStore::CheckpointStore(std::string folder, int keep, int milestone_every)
+    : folder_(std::move(folder)),
+      keep_(keep),
+      milestone_every_(static_cast<std::uint64_t>(milestone_every)) {
   fs::create_directories(folder_);
   for (const auto& entry : fs::directory_iterator(folder_)) {
     if (entry.path().filename().string().find(".tmp.") == std::string::npos) continue;
@@ -68,7 +70,10 @@ std::optional<std::string> CheckpointStore::Latest() const {
 
 void CheckpointStore::Prune() const {
   const fs::path latest = fs::read_symlink(fs::path(folder_) / kLatest);
-  const auto files = FilesIn(folder_);
+  auto files = FilesIn(folder_);
+  if (milestone_every_ > 0) {
+    std::erase_if(files, [this](const auto& file) { return file.first % milestone_every_ == 0; });
+  }
   auto left = static_cast<int>(files.size());
   for (const auto& [version, path] : files) {
     if (left-- <= keep_) return;

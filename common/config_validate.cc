@@ -55,6 +55,7 @@ const std::map<std::string, Range>& Ranges() {
       {"runtime.learner_threads", {0, 1024}},
       {"runtime.checkpoint_every", {1, kUnbounded}},
       {"runtime.checkpoint_keep", {1, kUnbounded}},
+      {"runtime.milestone_every", {0, kUnbounded}},
   };
   return ranges;
 }

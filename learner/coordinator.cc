@@ -223,7 +223,9 @@ void Coordinator::FinishUpdateIfDone() {
   if (!ending_) collector_.SendOrders(now_());
   StartUpdateIfReady();
   TellProgress(outcome, state);
-  if (version_ % setup_.checkpoint_every == 0 || version_ == setup_.rules.updates_total) {
+  const bool milestone = setup_.milestone_every > 0 && version_ % setup_.milestone_every == 0;
+  if (version_ % setup_.checkpoint_every == 0 || milestone ||
+      version_ == setup_.rules.updates_total) {
     Save(state);
   }
 }

@@ -25,6 +25,7 @@ struct CoordinatorSetup {
   OrderRules rules;
   double seconds_before = 0;           // wall-clock: that the run took before this start
   std::uint64_t checkpoint_every = 1;  // updates
+  std::uint64_t milestone_every = 0;   // updates; 0: none
   bool resumed = false;                // the state is that of an existing checkpoint
   std::string how_to_join;             // command that starts an actor, for people
   RivalTimes rivals;

@@ -14,7 +14,8 @@ FileRunRecord::FileRunRecord(std::string folder, Checkpoint first, ProgressPrint
 
 void FileRunRecord::Begin() {
   WriteFileAtomically(ConfigPathOf(folder_), PrintConfig(checkpoint_.config));
-  store_.emplace(folder_ + "/checkpoints", checkpoint_.config.runtime().checkpoint_keep());
+  store_.emplace(folder_ + "/checkpoints", checkpoint_.config.runtime().checkpoint_keep(),
+                 checkpoint_.config.runtime().milestone_every());
   progress_.emplace(folder_ + "/progress.csv",
                     static_cast<std::size_t>(checkpoint_.config.policy().heads()),
                     checkpoint_.logs.progress_bytes);

@@ -145,6 +145,7 @@ CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
   setup.rules.updates_total = std::max(UpdatesTotal(config), setup.rules.first_version);
   setup.seconds_before = start.checkpoint.logs.wall_seconds;
   setup.checkpoint_every = static_cast<std::uint64_t>(config.runtime().checkpoint_every());
+  setup.milestone_every = static_cast<std::uint64_t>(config.runtime().milestone_every());
   setup.resumed = start.resumed;
   setup.how_to_join = "metronome-actor run --run " + options.run;
   if (config.runtime().domain() != 0) {

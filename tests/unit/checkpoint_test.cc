@@ -225,6 +225,13 @@ TEST_F(CheckpointStoreTest, PrunesToTheNewest) {
   EXPECT_EQ(Names(), (std::vector<std::string>{"1000000.ckpt", "1000001.ckpt", "latest"}));
 }
 
+TEST_F(CheckpointStoreTest, KeepsMilestonesBesideTheNewest) {
+  CheckpointStore store(folder_, 2, 4);
+  for (std::uint64_t version = 3; version <= 11; ++version) store.Save(SmallCheckpoint(version));
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000004.ckpt", "000008.ckpt", "000010.ckpt",
+                                               "000011.ckpt", "latest"}));
+}
+
 TEST_F(CheckpointStoreTest, NeverPrunesWhatLatestNames) {
   CheckpointStore store(folder_, 2);
   for (std::uint64_t version = 5; version <= 6; ++version) store.Save(SmallCheckpoint(version));

@@ -261,6 +261,7 @@ TEST(ValidateTest, EachNumberHasItsRange) {
       {"runtime.learner_threads", {"-1", "1025"}, {"0", "8"}},
       {"runtime.checkpoint_every", {"0", "-1"}, {"100"}},
       {"runtime.checkpoint_keep", {"0", "-1"}, {"1"}},
+      {"runtime.milestone_every", {"-1"}, {"0", "25"}},
   };
   for (const Case& c : cases) {
     for (const auto& value : c.refused) {

@@ -71,6 +71,18 @@ TEST(CoordinatorTest, CheckpointsAreWrittenEveryFewUpdatesAndAtTheEnd) {
   EXPECT_EQ(versions, (std::vector<std::uint64_t>{0, 2, 4, 5}));
 }
 
+TEST(CoordinatorTest, MilestonesAreWrittenBetweenCheckpoints) {
+  FakeRun run;
+  run.setup.rules.updates_total = 7;
+  run.setup.checkpoint_every = 5;
+  run.setup.milestone_every = 3;
+  run.AddActor(1);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  std::vector<std::uint64_t> versions;
+  for (const TrainState& state : run.record.saved) versions.push_back(state.version);
+  EXPECT_EQ(versions, (std::vector<std::uint64_t>{0, 3, 5, 6, 7}));
+}
+
 TEST(CoordinatorTest, WithoutOverlapNothingIsOrderedDuringAnUpdate) {
   FakeRun run;
   run.AddActor(1, 2);

@@ -7,9 +7,12 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "actor/metaworld/task_table.h"
 #include "actor/rollout.h"
+#include "common/config.h"
+#include "common/network.h"
 
 namespace metronome {
 namespace {
@@ -64,6 +67,54 @@ TEST(TrainingPlacementTest, FixedIsOneForTheRunAndRandomOneForEachEpisode) {
   const auto of_seed_one = TrainingPlacement(config, 0);
   config.set_seed(2);
   EXPECT_NE(TrainingPlacement(config, 0), of_seed_one);
+}
+
+/// Succeeds at the steps (counted from 1) that it is told to, and pays a reward of 1 a step.
+class ScriptedEnvironment : public metaworld::Environment {
+ public:
+  explicit ScriptedEnvironment(std::set<int> successes) : successes_(std::move(successes)) {}
+  metaworld::Observation Reset(const metaworld::RandVec& /*placement*/) override {
+    step_ = 0;
+    return {};
+  }
+  metaworld::StepResult Step(const metaworld::Action& /*action*/) override {
+    ++step_;
+    metaworld::StepResult result;
+    result.reward = 1;
+    result.info.success = successes_.count(step_) > 0;
+    return result;
+  }
+
+ private:
+  std::set<int> successes_;
+  int step_ = 0;
+};
+
+EvaluatedEpisode PlayWithSuccessesAt(std::set<int> steps) {
+  RunConfig given;
+  given.mutable_environment()->set_task("push");
+  given.mutable_environment()->set_horizon(20);
+  const RunConfig config = Resolve(given);
+  PolicySnapshot snapshot;
+  snapshot.parameters.resize(ActorLayout(ShapeOf(config)).size);
+  snapshot.observation_mean.resize(kObservationSize);
+  snapshot.observation_inv_std.resize(kObservationSize);
+  ScriptedEnvironment environment(std::move(steps));
+  return PlayDeterministic(config, snapshot, {}, environment);
+}
+
+TEST(PlayDeterministicTest, CountsStepsToTheFirstSuccess) {
+  const EvaluatedEpisode lost_again = PlayWithSuccessesAt({7, 8, 15});
+  EXPECT_TRUE(lost_again.success);
+  EXPECT_FALSE(lost_again.success_end);
+  EXPECT_EQ(lost_again.steps_to_success, 7);
+  EXPECT_EQ(lost_again.episode_return, 20);
+  const EvaluatedEpisode at_the_end = PlayWithSuccessesAt({20});
+  EXPECT_TRUE(at_the_end.success_end);
+  EXPECT_EQ(at_the_end.steps_to_success, 20);
+  const EvaluatedEpisode never = PlayWithSuccessesAt({});
+  EXPECT_FALSE(never.success);
+  EXPECT_EQ(never.steps_to_success, 0);
 }
 
 TEST(RunEvaluateTest, NamesWhatIsWrongWithItsOptions) {

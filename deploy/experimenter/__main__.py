@@ -1,0 +1,185 @@
+"""deploy/experiment: makes the runs that an experiment file asks for and puts them into results/."""
+
+import argparse
+import fnmatch
+import os
+import shutil
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "deploy" / "launcher"))
+
+import children  # noqa: E402
+import matrix  # noqa: E402
+import view  # noqa: E402
+from cell_files import CellFiles, shown  # noqa: E402
+from settings import SettingsError, make_settings  # noqa: E402
+from slot import CellFailed, Slot  # noqa: E402
+
+TICK = 5.0  # seconds between looks for new milestones; children that end are noticed at once
+
+
+def _parse(arguments):
+    parser = argparse.ArgumentParser(
+        prog="deploy/experiment", allow_abbrev=False,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        description="Makes the runs of an experiment file, several at once, and evaluates their "
+        "milestones. What is\ndone is skipped, what was interrupted goes on: stop it whenever you "
+        "like (Ctrl-C) and start it again.",
+        epilog="Done cells are results/NAME/CELL/: run.json, config.textproto, progress.csv, "
+        "evaluation.csv. Stopped ones\nleave results/NAME/CELL/unfinished/, from which another "
+        "checkout goes on.\n\n" + matrix.__doc__)
+    parser.add_argument("file", metavar="FILE", type=Path, help="deploy/experiments/main.toml, say")
+    parser.add_argument("--list", action="store_true", help="say what is done and what is not, and end")
+    parser.add_argument("--cells", metavar="GLOB", action="append",
+                        help="only these, e.g. 'push-*-s1'; may be repeated")
+    parser.add_argument("--jobs", type=int, metavar="N", default=0,
+                        help="runs at once; each gets an equal share of the cores (default: one a core)")
+    parser.add_argument("--domain", type=int, default=40, metavar="N",
+                        help="DDS domain of the first run, the others use the next (default %(default)s)")
+    parser.add_argument("--runs", type=Path, default=ROOT / "runs", metavar="DIR",
+                        help="folder of runs being made (default runs/)")
+    parser.add_argument("--results", type=Path, default=ROOT / "results", metavar="DIR",
+                        help="folder of what is done (default results/)")
+    parser.add_argument("--build", type=Path, metavar="DIR",
+                        help="use the programs in DIR/bin as they are, without set-up")
+    options = parser.parse_args(arguments)
+    options.runs, options.results = options.runs.absolute(), options.results.absolute()
+    if options.jobs < 0:
+        parser.error("--jobs must be at least 1")
+    return options
+
+
+def _chosen(experiment, globs):
+    cells = [c for c in experiment.cells
+             if not globs or any(fnmatch.fnmatchcase(c.name, g) for g in globs)]
+    if not cells:
+        raise matrix.MatrixError(f"no cell matches {' '.join(globs)}")
+    return cells
+
+
+def _require_same(files, cell, settings):
+    """A done cell must be what the file asks for now."""
+    done = files.done()
+    wanted = settings.command_of(cell)
+    if done is not None and done["command"] != wanted:
+        raise matrix.MatrixError(
+            f"{shown(files.result)} was made by other settings ({done['command']}) than the file asks "
+            f"for now ({wanted}): move it away, or give the arm another name")
+
+
+def _list(cells, files):
+    for cell in cells:
+        of = files[cell]
+        if of.done() is not None:
+            state = "done"
+        else:
+            carried = " (carried)" if not of.started() and (of.result / "unfinished").is_dir() else ""
+            state = f"{of.steps_done() / 1e6:.2f} of {cell.steps / 1e6:.2f} M steps{carried}"
+        print(f"{cell.name:40} {state}")
+
+
+class Runner:
+    def __init__(self, cells, files, places, settings):
+        """@param places  (cores, DDS domain) of each run that is made at once."""
+        self._todo = [cell for cell in cells if files[cell].done() is None]
+        self._files, self._events = files, children.Events()
+        self._view = view.View(cells, files)
+        self._slots = [Slot(*place, settings, self._events, self._view.note) for place in places]
+        self._failed = []
+
+    def run(self):
+        """@return exit code."""
+        try:
+            while True:
+                for slot in self._slots:
+                    self._advance(slot)
+                if not self._todo and all(slot.free for slot in self._slots):
+                    return self._end()
+                self._view.show([slot.cell for slot in self._slots if not slot.free])
+                stops = self._events.wait(TICK)
+                if stops:
+                    self._view.note("stopping: each run writes a checkpoint")
+                    return 128 + stops[0]
+        finally:
+            self._stop()
+            self._view.close()
+
+    def _advance(self, slot):
+        try:
+            if slot.advance():
+                self._view.done()
+        except CellFailed as failure:
+            self._failed.append(str(failure))
+            self._view.note(f"failed: {failure}")
+        if slot.free and self._todo:
+            cell = self._todo.pop(0)
+            slot.start(cell, self._files[cell])
+
+    def _stop(self):
+        for slot in self._slots:
+            if not slot.free:
+                files = slot.files
+                slot.stop()
+                problem = files.carry()
+                self._view.note(problem or f"{files.name} goes on from where it stands; kept in "
+                                f"{shown(files.result)}/unfinished/")
+
+    def _end(self):
+        if self._failed:
+            print(f"{len(self._failed)} of the runs failed:", *self._failed, sep="\n  ", file=sys.stderr)
+        return 1 if self._failed else 0
+
+
+def _set_up(experiment, build):
+    if build is not None:
+        return build.absolute()
+    setup = [str(ROOT / "deploy" / "setup"), "--quiet", "--mujoco", experiment.mujoco]
+    code = children.run_in_foreground(setup)
+    if code != 0:
+        sys.exit(code)
+    return ROOT / ("build" if experiment.mujoco == "2.2.2" else f"build-{experiment.mujoco}")
+
+
+def _places(options):
+    cores = sorted(os.sched_getaffinity(0))
+    jobs = options.jobs or len(cores)
+    share = max(1, len(cores) // jobs)
+    return [([cores[(i * share + k) % len(cores)] for k in range(share)], options.domain + i)
+            for i in range(jobs)]
+
+
+def main():
+    options = _parse(sys.argv[1:])
+    try:
+        experiment = matrix.load(options.file)
+        cells = _chosen(experiment, options.cells)
+        files = {cell: CellFiles(cell, options.runs, options.results) for cell in cells}
+        if options.list:
+            _list(cells, files)
+            return 0
+        build = _set_up(experiment, options.build)
+        settings = make_settings(ROOT, build, experiment, cells)
+        for cell in cells:
+            _require_same(files[cell], cell, settings)
+    except (matrix.MatrixError, SettingsError, OSError) as error:
+        print(f"deploy/experiment: {options.file}: {error}", file=sys.stderr)
+        return 2
+    folder = options.results / experiment.name
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(options.file, folder / "experiment.toml")
+    begin = time.monotonic()
+    code = Runner(cells, files, _places(options), settings).run()
+    count = sum(files[cell].done() is not None for cell in cells)
+    print(f"{experiment.name}: {count} of {len(cells)} runs done, this time in "
+          f"{(time.monotonic() - begin) / 60:.0f} minutes; {shown(folder)}/")
+    return code
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:  # during set-up: no run has begun
+        sys.exit(130)

@@ -1,0 +1,160 @@
+"""Where a cell's files lie, and what is written into results/.
+
+results/EXPERIMENT/CELL/ holds, once the cell is done: run.json (written last: what was run, where, and
+the digest of the weights), config.textproto, progress.csv, evaluation.csv. Until then it may hold
+unfinished/: a checkpoint and the logs so far, from which the run goes on in any other checkout.
+"""
+
+import csv
+import io
+import json
+import os
+import re
+import shutil
+from pathlib import Path
+
+CHECKPOINT = re.compile(r"(\d{6,})\.ckpt")
+# Columns of one head each make up most of progress.csv; whoever wants them makes the run again.
+_OF_ONE_HEAD = re.compile(r".*_head\d+")
+EVALUATION_COLUMNS = ["steps", "update", "placements", "episodes", "success", "success_end", "return",
+                      "time_to_success"]
+LARGEST_CARRIED = 1 << 20  # bytes of a checkpoint that is kept in the repository
+
+
+def write_atomically(path, text):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(path.name + ".tmp")
+    partial.write_text(text)
+    os.replace(partial, path)
+
+
+class CellFiles:
+    def __init__(self, cell, runs, results):
+        self.name = cell.name
+        self.run = runs / cell.experiment / cell.name
+        self.runs = runs / cell.experiment
+        self.result = results / cell.experiment / cell.name
+
+    # The run.
+
+    def started(self):
+        return self.run.is_dir()
+
+    def steps_done(self):
+        """Of the run so far; 0 where it has not begun."""
+        try:
+            with open(self.run / "progress.csv", "rb") as file:
+                file.seek(max(0, os.path.getsize(file.name) - 65536))
+                rows = file.read().decode().splitlines()
+            return int(rows[-1].split(",")[0]) if len(rows) > 1 else 0
+        except (OSError, ValueError):
+            return 0
+
+    def checkpoints(self):
+        """Version to path of the files there are."""
+        found = {}
+        for path in (self.run / "checkpoints").glob("*.ckpt"):
+            match = CHECKPOINT.fullmatch(path.name)
+            if match:
+                found[int(match.group(1))] = path
+        return found
+
+    def revisions(self):
+        try:
+            return (self.run / "revisions").read_text().split()
+        except OSError:
+            return []
+
+    def note_revision(self, revision):
+        if revision not in self.revisions():
+            with open(self.run / "revisions", "a") as file:
+                file.write(revision + "\n")
+
+    # Milestones' evaluations.
+
+    def evaluated(self):
+        """Rows so far, by (update, placements)."""
+        try:
+            with open(self._evaluation(), newline="") as file:
+                return {(int(row["update"]), row["placements"]): row for row in csv.DictReader(file)}
+        except OSError:
+            return {}
+
+    def add_evaluation(self, row):
+        rows = self.evaluated()
+        rows[int(row["update"]), row["placements"]] = row
+        text = io.StringIO()
+        writer = csv.DictWriter(text, EVALUATION_COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        for key in sorted(rows):
+            writer.writerow(rows[key])
+        write_atomically(self._evaluation(), text.getvalue())
+
+    def _evaluation(self):
+        return self.run / "evaluation.csv"
+
+    # Results.
+
+    def done(self):
+        """What run.json says, None while the cell is not done."""
+        try:
+            return json.loads((self.result / "run.json").read_text())
+        except OSError:
+            return None
+
+    def publish(self, facts):
+        """Puts the finished run into results/, run.json last."""
+        config = (self.run / "config.textproto").read_text()
+        write_atomically(self.result / "config.textproto", config)
+        write_atomically(self.result / "progress.csv", self._compact_progress())
+        write_atomically(self.result / "evaluation.csv", self._evaluation().read_text())
+        write_atomically(self.result / "run.json", json.dumps(facts, indent=2) + "\n")
+        shutil.rmtree(self.result / "unfinished", ignore_errors=True)
+
+    def _compact_progress(self):
+        with open(self.run / "progress.csv", newline="") as file:
+            header, *rows = csv.reader(file)
+        kept = [i for i, name in enumerate(header) if not _OF_ONE_HEAD.fullmatch(name)]
+        lines = (",".join(row[i] for i in kept) for row in (header, *rows))
+        return "\n".join(lines) + "\n"
+
+    # Carrying on elsewhere.
+
+    def carry(self):
+        """Keeps in results/ what another checkout needs to go on with the run.
+        @return None, or why that is not possible."""
+        latest = self.run / "checkpoints" / "latest"
+        if not latest.exists():
+            return None
+        if latest.stat().st_size > LARGEST_CARRIED:
+            return f"{self.name}: its checkpoint is larger than 1 MB and is not kept in results/"
+        target, partial = self.result / "unfinished", self.result / "unfinished.tmp"
+        shutil.rmtree(partial, ignore_errors=True)
+        (partial / "checkpoints").mkdir(parents=True)
+        newest = latest.resolve()
+        shutil.copyfile(newest, partial / "checkpoints" / newest.name)
+        for name in ("config.textproto", "progress.csv", "evaluation.csv", "revisions"):
+            if (self.run / name).exists():
+                shutil.copyfile(self.run / name, partial / name)
+        shutil.rmtree(target, ignore_errors=True)
+        os.replace(partial, target)
+        return None
+
+    def fetch(self):
+        """Makes the run's folder from what was carried. @return whether there was anything."""
+        source = self.result / "unfinished"
+        if self.started() or not source.is_dir():
+            return False
+        self.runs.mkdir(parents=True, exist_ok=True)
+        partial = self.runs / (self.name + ".tmp")
+        shutil.rmtree(partial, ignore_errors=True)
+        shutil.copytree(source, partial)
+        (newest,) = (partial / "checkpoints").glob("*.ckpt")
+        (partial / "checkpoints" / "latest").symlink_to(newest.name)
+        os.replace(partial, self.run)
+        return True
+
+
+def shown(path):
+    relative = os.path.relpath(path)
+    return str(Path(path)) if relative.startswith("..") else relative

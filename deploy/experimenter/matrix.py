@@ -1,0 +1,182 @@
+"""An experiment file (TOML): which runs it asks for.
+
+    name = "main"                     # results go to results/NAME
+    mujoco = "3.3.0"                  # engine
+    tasks = ["assembly", "push"]
+    seeds = [1, 2, 3]
+    steps = 2000000                   # environment steps of a run
+    milestones = 8                    # checkpoints to evaluate, evenly spaced, the last at the end
+
+    [evaluate]                        # of every milestone, by the deterministic policy
+    episodes = 50
+    seed = 1000                       # of the placements
+    placements = ["random", "mt1"]
+
+    [set]                             # configuration of every run (common/config.proto)
+    "ppo.epochs" = 10
+
+    [arms.multihead]                  # method, heads, horizon, steps, seeds, tasks, and what differs
+    method = "multihead"
+    heads = 10
+    set = { "ppo.discount" = 0.99 }
+
+    [task.assembly]                   # what differs on one task
+    set = { "collection.episodes_per_update" = 32 }
+
+Later ones win: [set], then the task's, then the arm's. A run is named TASK-ARM-sSEED.
+"""
+
+import difflib
+import tomllib
+from dataclasses import dataclass
+
+TASKS = ("assembly", "bin-picking", "box-close", "push")
+METHODS = ("multihead", "ppo", "ppo-time")
+ENGINES = ("2.2.2", "3.3.0")
+PLACEMENTS = ("random", "mt1")
+_TOP = {"name", "mujoco", "tasks", "seeds", "steps", "milestones", "evaluate", "set", "arms", "task"}
+_ARM = {"method", "heads", "horizon", "steps", "seeds", "tasks", "set"}
+_TASK = {"set", "steps"}
+_EVALUATE = {"episodes", "seed", "placements"}
+
+
+class MatrixError(ValueError):
+    """The experiment file cannot be right; the message says where."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    episodes: int
+    seed: int
+    placements: tuple
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One run of the matrix."""
+
+    experiment: str
+    task: str
+    arm: str
+    seed: int
+    steps: int
+    method: str
+    heads: int | None
+    horizon: int | None
+    settings: tuple  # (path, value text), sorted
+
+    @property
+    def name(self):
+        return f"{self.task}-{self.arm}-s{self.seed}"
+
+    def train_arguments(self):
+        """What deploy/train takes to make this run, but for where and by how many processes."""
+        words = [self.task, "--method", self.method]
+        words += [] if self.heads is None else ["--heads", str(self.heads)]
+        words += [] if self.horizon is None else ["--horizon", str(self.horizon)]
+        words += ["--steps", str(self.steps), "--seed", str(self.seed)]
+        for path, value in self.settings:
+            words += ["--set", f"{path}={value}"]
+        return words
+
+
+@dataclass(frozen=True)
+class Experiment:
+    name: str
+    mujoco: str
+    milestones: int
+    evaluation: Evaluation
+    cells: tuple  # of Cell: all arms and tasks of the first seed, then of the second, ...
+
+
+def _known(table, names, where):
+    for key in table:
+        if key not in names:
+            near = difflib.get_close_matches(key, names, 1)
+            hint = f"; did you mean '{near[0]}'?" if near else f" (known: {', '.join(sorted(names))})"
+            raise MatrixError(f"{where}: unknown key '{key}'{hint}")
+
+
+def _one_of(value, names, where):
+    if value not in names:
+        near = difflib.get_close_matches(str(value), names, 1)
+        hint = f"; did you mean '{near[0]}'?" if near else ""
+        raise MatrixError(f"{where}: '{value}' is not one of {', '.join(names)}{hint}")
+    return value
+
+
+def _whole(value, low, where):
+    if not isinstance(value, int) or isinstance(value, bool) or value < low:
+        raise MatrixError(f"{where}: {value!r} is not a whole number of at least {low}")
+    return value
+
+
+def _list(value, where):
+    if not isinstance(value, list) or not value or len(set(value)) != len(value):
+        raise MatrixError(f"{where}: needs a list of at least one entry, each once")
+    return value
+
+
+def _text(value):
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _evaluation(table):
+    _known(table, _EVALUATE, "[evaluate]")
+    placements = _list(table.get("placements", ["random"]), "[evaluate] placements")
+    return Evaluation(
+        episodes=_whole(table.get("episodes", 50), 1, "[evaluate] episodes"),
+        seed=_whole(table.get("seed", 1000), 0, "[evaluate] seed"),
+        placements=tuple(_one_of(p, PLACEMENTS, "[evaluate] placements") for p in placements),
+    )
+
+
+def _cell(data, task, arm_name, seed):
+    arm, of_task = data["arms"][arm_name], data.get("task", {}).get(task, {})
+    settings = {**data.get("set", {}), **of_task.get("set", {}), **arm.get("set", {})}
+    where = f"[arms.{arm_name}]"
+    steps = arm.get("steps", of_task.get("steps", data.get("steps")))
+    heads, horizon = arm.get("heads"), arm.get("horizon")
+    return Cell(
+        experiment=data["name"],
+        task=task,
+        arm=arm_name,
+        seed=_whole(seed, 0, f"{where} seeds"),
+        steps=_whole(steps, 1, f"{where} steps"),
+        method=_one_of(arm.get("method", "multihead"), METHODS, f"{where} method"),
+        heads=None if heads is None else _whole(heads, 1, f"{where} heads"),
+        horizon=None if horizon is None else _whole(horizon, 1, f"{where} horizon"),
+        settings=tuple(sorted((path, _text(value)) for path, value in settings.items())),
+    )
+
+
+def load(path):
+    """Reads an experiment file. @throws MatrixError naming the key that is wrong, OSError."""
+    with open(path, "rb") as file:
+        try:
+            data = tomllib.load(file)
+        except tomllib.TOMLDecodeError as error:
+            raise MatrixError(str(error)) from None
+    _known(data, _TOP, "top level")
+    for key in ("name", "tasks", "seeds", "arms"):
+        if key not in data:
+            raise MatrixError(f"'{key}' is missing")
+    tasks = [_one_of(task, TASKS, "tasks") for task in _list(data["tasks"], "tasks")]
+    for task, table in data.get("task", {}).items():
+        _known(table, _TASK, f"[task.{_one_of(task, TASKS, '[task]')}]")
+    cells = []
+    for name, arm in data["arms"].items():
+        _known(arm, _ARM, f"[arms.{name}]")
+        for seed in _list(arm.get("seeds", data["seeds"]), f"[arms.{name}] seeds"):
+            for task in _list(arm.get("tasks", tasks), f"[arms.{name}] tasks"):
+                cells.append(_cell(data, _one_of(task, TASKS, f"[arms.{name}] tasks"), name, seed))
+    arms = list(data["arms"])
+    # Whole seeds first: what is there after an interruption compares all arms.
+    cells.sort(key=lambda c: (c.seed, TASKS.index(c.task), arms.index(c.arm)))
+    return Experiment(
+        name=data["name"],
+        mujoco=_one_of(data.get("mujoco", "2.2.2"), ENGINES, "mujoco"),
+        milestones=_whole(data.get("milestones", 8), 1, "milestones"),
+        evaluation=_evaluation(data.get("evaluate", {})),
+        cells=tuple(cells),
+    )

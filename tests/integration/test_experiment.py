@@ -1,0 +1,154 @@
+"""deploy/experiment: a matrix of runs, resumable at any instant."""
+
+import csv
+import json
+import shutil
+import signal
+
+import pytest
+
+from harness import BUILD, ROOT
+
+EXPERIMENT = str(ROOT / "deploy" / "experiment")
+ENGINE = "3.3.0" if BUILD.name.endswith("3.3.0") else "2.2.2"
+FILE = """
+name = "small"
+mujoco = "{engine}"
+tasks = ["push"]
+seeds = [7]
+steps = {steps}
+milestones = 2
+[evaluate]
+episodes = 1
+placements = ["random", "mt1"]
+[set]
+"environment.horizon" = 50
+"collection.episodes_per_update" = 4
+"ppo.minibatch" = 50
+[arms.multihead]
+method = "multihead"
+heads = 5
+[arms.ppo]
+method = "ppo"
+"""
+
+
+class Place:
+    """A file, and folders for its runs and results."""
+
+    def __init__(self, stage, name="a", steps=1600, text=FILE):
+        self._stage = stage
+        self.folder = stage.runs.parent / name
+        self.folder.mkdir()
+        self.file, self.runs, self.results = (self.folder / n for n in ("e.toml", "runs", "results"))
+        self.file.write_text(text.format(engine=ENGINE, steps=steps))
+
+    def start(self, *options):
+        return self._stage.start(EXPERIMENT, self.file, "--build", BUILD, "--runs", self.runs, "--results",
+                                 self.results, "--domain", self._stage.domain, "--jobs", 1, *options)
+
+    def run_json(self, cell):
+        return json.loads((self.results / "small" / cell / "run.json").read_text())
+
+
+def rows(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_it_makes_every_cell_once(stage):
+    place = Place(stage)
+    first = place.start()
+    assert first.wait() == 0, first
+    assert "small: 2 of 2 runs done" in first.text, first
+    cell = place.results / "small" / "push-multihead-s7"
+    assert [int(row["steps"]) for row in rows(cell / "progress.csv")] == [200 * i for i in range(1, 9)]
+    assert not any("_head" in column for column in rows(cell / "progress.csv")[0])
+    evaluated = [(row["update"], row["placements"]) for row in rows(cell / "evaluation.csv")]
+    assert evaluated == [("4", "mt1"), ("4", "random"), ("8", "mt1"), ("8", "random")]
+    facts = place.run_json("push-multihead-s7")
+    assert facts["engine"].endswith(ENGINE) and len(facts["revision"].split("-")[0]) == 40
+    assert facts["weights_sha256"] != place.run_json("push-ppo-s7")["weights_sha256"]
+    # Another start has nothing to do; what is done shows.
+    again = place.start()
+    assert again.wait() == 0, again
+    assert facts == place.run_json("push-multihead-s7")
+    listed = place.start("--list")
+    assert listed.wait() == 0 and listed.text.count("done") == 2, listed
+
+
+def test_a_cell_is_the_run_that_its_command_makes(stage):
+    place = Place(stage)
+    made = place.start("--cells", "push-ppo-*")
+    assert made.wait() == 0, made
+    facts = place.run_json("push-ppo-s7")
+    words = facts["command"].split()
+    assert words[0] == "deploy/train"
+    by_hand = stage.start(str(ROOT / words[0]), *words[1:], "--build", BUILD, "--runs", stage.runs,
+                          "--run", "by-hand", "--domain", stage.domain, "--actors", 2)
+    assert by_hand.wait() == 0, by_hand
+    assert stage.inspect(stage.latest("by-hand"))["weights_sha256"] == facts["weights_sha256"]
+
+
+def test_an_interrupted_experiment_goes_on_in_another_checkout(stage):
+    whole, cut = Place(stage, "whole", 16000), Place(stage, "cut", 16000)
+    calm = whole.start("--cells", "push-multihead-*")
+    assert calm.wait() == 0, calm
+    stopped = cut.start("--cells", "push-multihead-*")
+    stopped.expect_text("push-multihead-s7: under way")
+    stopped.signal(signal.SIGINT)
+    assert stopped.wait() == 128 + signal.SIGINT, stopped
+    assert (cut.results / "small" / "push-multihead-s7" / "unfinished" / "progress.csv").exists(), stopped
+    shutil.rmtree(cut.runs)
+    resumed = cut.start("--cells", "push-multihead-*")
+    assert resumed.wait() == 0, resumed
+    assert not (cut.results / "small" / "push-multihead-s7" / "unfinished").exists()
+    assert cut.run_json("push-multihead-s7") == whole.run_json("push-multihead-s7")
+    for name in ("evaluation.csv", "config.textproto"):
+        files = [p.results / "small" / "push-multihead-s7" / name for p in (whole, cut)]
+        assert files[0].read_text() == files[1].read_text()
+    returns = [[row["return"] for row in rows(p.results / "small/push-multihead-s7/progress.csv")]
+               for p in (whole, cut)]
+    assert returns[0] == returns[1] and len(returns[0]) == 80
+
+
+@pytest.mark.parametrize(
+    "old, new, complaint",
+    [
+        ("seeds =", "seed =", "did you mean 'seeds'"),
+        ('tasks = ["push"]', 'tasks = ["pus"]', "did you mean 'push'"),
+        ('method = "ppo"', 'method = "pop"', "did you mean 'ppo'"),
+        ("heads = 5", "heads = 51", "heads"),
+        ('"ppo.minibatch" = 50', '"ppo.minibach" = 50', "minibatch"),
+        ("steps = {steps}", "", "steps"),
+        ("name =", "name", "line 2"),
+    ],
+)
+def test_a_file_that_cannot_be_right_is_refused_by_name(stage, old, new, complaint):
+    assert old in FILE
+    place = Place(stage, text=FILE.replace(old, new))
+    refused = place.start()
+    assert refused.wait(60) == 2, refused
+    assert complaint in refused.text, refused
+    assert not place.results.exists()
+
+
+def test_a_done_cell_of_other_settings_is_not_taken_for_the_one_asked(stage):
+    place = Place(stage)
+    assert place.start().wait() == 0
+    place.file.write_text(place.file.read_text().replace("heads = 5", "heads = 2"))
+    refused = place.start()
+    assert refused.wait(60) == 2, refused
+    assert "push-multihead-s7" in refused.text and "move it away" in refused.text, refused
+
+
+def test_a_run_that_fails_is_named_and_the_others_are_made(stage):
+    place = Place(stage)
+    broken = place.runs / "small" / "push-multihead-s7" / "checkpoints"
+    broken.mkdir(parents=True)
+    (broken / "000001.ckpt").write_text("no checkpoint")
+    (broken / "latest").symlink_to("000001.ckpt")
+    ended = place.start()
+    assert ended.wait() == 1, ended
+    assert "push-multihead-s7: deploy/train ended with" in ended.text, ended
+    assert place.run_json("push-ppo-s7")["arm"] == "ppo"
