@@ -1,0 +1,283 @@
+"""The numbers behind the figures, as Markdown tables. Each function takes all experiments' cells and
+returns Markdown, or None where there is nothing to tell."""
+
+import numpy as np
+
+import curves
+import estimates
+import names
+import published
+import scores
+from draw import controls, efficiency, heads, learning
+
+INTERVAL = (f"Intervals: 95 %, stratified bootstrap, {estimates.RESAMPLES} resamples (rliable); "
+            f"\"too few\" stands where there are fewer than {estimates.FEWEST} seeds.")
+MEANING = ("Under noise: mean of the last 10 updates of a run; deterministic: its last evaluation "
+           "(mean action, random placements that no training run draws).")
+TEST = ("p: two-sided permutation test of the difference of means, exact (all splits of the runs between "
+        "the arms) up to 9 seeds an arm; with 5 and 5 seeds the smallest possible is 0.008. Not corrected for "
+        "the number of rows.")
+
+
+def _table(header, rows):
+    """Numbers to the right: all but the columns whose header begins with a space."""
+    lines = ["| " + " | ".join(name.strip() for name in header) + " |",
+             "| " + " | ".join("---" if name.startswith(" ") else "---:" for name in header) + " |"]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
+def _value(number, share):
+    return f"{number:.2f}" if share else f"{number:.0f}"
+
+
+def _signed(number, share):
+    return f"{number:+.2f}" if share else f"{number:+.0f}"
+
+
+def _estimate_text(estimate, share, number=_value):
+    value = number(estimate.value, share)
+    if estimate.low is None:
+        return f"{value} (too few)"
+    return f"{value} ({number(estimate.low, share)} to {number(estimate.high, share)})"
+
+
+def _iqm_text(by_task, score):
+    return _estimate_text(estimates.iqm(by_task), score.share) if all(by_task) else "–"
+
+
+_ENDS = (scores.RETURN, scores.SUCCESS, scores.SUCCESS_END, scores.DETERMINISTIC, scores.DETERMINISTIC_END)
+
+
+def _ends(cells):
+    """Final scores of each task and arm, and over tasks."""
+    rows = []
+    arms, tasks = names.arms_of(cells), names.tasks_of(cells)
+    for task in tasks:
+        for arm in arms:
+            own = scores.select(cells, task, arm)
+            if own:
+                row = [task, names.label_of(arm, cells), str(len(own)), _millions(cell.steps for cell in own)]
+                rows.append(row + [_iqm_text([list(scores.by_seed(own, score).values())], score)
+                                   for score in _ENDS])
+    shared = scores.shared_tasks(cells, tasks, arms, scores.RETURN)
+    for arm in arms if len(shared) > 1 else []:
+        counts = [len(scores.select(cells, task, arm)) for task in shared]
+        row = [f"{len(shared)} tasks", names.label_of(arm, cells), scores.seeds_text(counts),
+               _millions(cell.steps for cell in scores.select(cells, arm=arm) if cell.task in shared)]
+        rows.append(row + [_iqm_text(scores.by_task(cells, arm, shared, score), score) for score in
+                           (scores.NORMALISED, *_ENDS[1:])])
+    header = (" task", " arm", "seeds", "steps (M)", "return", "success, noise", "at the last step",
+              "success, deterministic", "at the last step")
+    text = _table(header, rows) + f"\n\nInterquartile means over seeds. {MEANING} {INTERVAL}"
+    if len(shared) > 1:
+        text += (" Over tasks, returns are divided by the largest possible one (10 a step, 5000 an episode). Of tasks, "
+                 f"those enter of which every arm has at least {estimates.FEWEST} seeds (or any, where no task has so "
+                 "many); of seeds, as many of each task as the one with the fewest has.")
+    return text
+
+
+def _millions(steps):
+    found = {value / 1e6 for value in steps}
+    low, high = min(found), max(found)
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def final(experiments):
+    cells = experiments.get("main", [])
+    return _ends(cells) if cells else None
+
+
+def _baselines(cells):
+    return [arm for arm in names.arms_of(cells) if arm != "multihead"]
+
+
+def improvement(experiments):
+    cells = experiments.get("main", [])
+    tasks, rows = names.tasks_of(cells), []
+    for arm in _baselines(cells):
+        for score in (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC):
+            shared = scores.shared_tasks(cells, tasks, ("multihead", arm), score)
+            if not shared:
+                continue
+            x, y = (scores.by_task(cells, name, shared, score) for name in ("multihead", arm))
+            estimate = estimates.probability_of_improvement(x, y)
+            rows.append([names.label_of(arm, cells), score.label, str(len(shared)), str(estimate.seeds),
+                         _estimate_text(estimate, True)])
+    if not rows:
+        return None
+    return _table((" multi-head over", " score at the end", "tasks", "seeds", "probability"), rows) + (
+        "\n\nProbability that a run of multi-head scores higher than one of the other arm on the same task, ties "
+        f"counted half, averaged over the tasks. {INTERVAL} An interval of no width says that all runs of one arm were "
+        "better than all of the other, not that this is certain.")
+
+
+_COMPARED = (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC)
+_DIFFERENCE_COLUMNS = (" task", "seeds", " interval", "return", "p", "success, noise", "p",
+                       "success, deterministic", "p")
+
+
+def _difference_row(task, cells, against):
+    seeds, interval, row = "", "", []
+    for score in _COMPARED:
+        x, y = scores.by_seed(cells, score), scores.by_seed(against, score)
+        if not (x and y):
+            row += ["–", "–"]
+            continue
+        found = estimates.difference(x, y)
+        seeds = seeds or "{}, {}".format(*found.seeds)
+        interval = interval or ("paired" if found.paired else "unpaired")
+        row += [_estimate_text(found.estimate, score.share, _signed), "–" if found.p is None else f"{found.p:.3f}"]
+    return [task, seeds, interval, *row]
+
+
+def _difference_rows(compared):
+    """@param compared  (task, cells, cells to compare with) each, of one arm.
+    @return a row for each, and one over the tasks."""
+    rows, over_all, names_of = [_difference_row(*each) for each in compared], [], []
+    for score in _COMPARED:
+        found = estimates.pooled_difference(*([scores.by_seed(each[i], score) for each in compared] for i in (1, 2)))
+        over_all += [_estimate_text(found[0], score.share, _signed) if found else "–", "–"]
+        names_of += [f"{found[1]} tasks", str(found[0].seeds)] if found else []
+    return rows + ([[*names_of[:2], "paired", *over_all]] if names_of else [])
+
+
+def differences(experiments):
+    cells = experiments.get("main", [])
+    rows = []
+    for arm in _baselines(cells):
+        compared = [(task, scores.select(cells, task, "multihead"), scores.select(cells, task, arm))
+                    for task in names.tasks_of(cells)]
+        compared = [each for each in compared if each[1] and each[2]]
+        rows += [[names.label_of(arm, cells), *row] for row in _difference_rows(compared)]
+    if not rows:
+        return None
+    return _table((" multi-head less", *_DIFFERENCE_COLUMNS), rows) + f"\n\n{_DIFFERENCE} {TEST}"
+
+
+_DIFFERENCE = (
+    f"Differences of means at the end, with 95 % percentile bootstrap intervals ({estimates.RESAMPLES} resamples): "
+    f"paired, over the differences of runs of equal seed, where at least {estimates.FEWEST} seeds are common; "
+    "unpaired, each arm resampled on its own, elsewhere. Over tasks: the mean of the tasks' differences, pairs "
+    "resampled within each task, as many of each as the task with the fewest has; no test. " + MEANING)
+
+
+def time_to_success(experiments):
+    """Of the deterministic policy at its last evaluation."""
+    rows = []
+    for name in ("main", "solve"):
+        cells = experiments.get(name, [])
+        arms = names.arms_of(cells)
+        for task in names.tasks_of(cells):
+            for arm in arms:
+                own = [cell for cell in scores.select(cells, task, arm) if "random" in cell.evaluations]
+                last = [cell.evaluations["random"]["time_to_success"][-1] for cell in own]
+                found = [value for value in last if np.isfinite(value)]
+                if found:
+                    rows.append([name, task, names.label_of(arm, cells), f"{len(found)} of {len(own)}",
+                                 _estimate_text(estimates.iqm([found]), False)])
+    if not rows:
+        return None
+    return _table((" experiment", " task", " arm", "seeds with successes", "steps"), rows) + (
+        "\n\nSteps of an episode until its first success, mean over the successful episodes of the last "
+        f"deterministic evaluation; interquartile mean over the runs that have successes. {INTERVAL}")
+
+
+def _reach_text(found, number):
+    """Median, and how many."""
+    reached = np.isfinite(found)
+    if not reached.any():
+        return f"never (0 of {len(found)})"
+    middle = np.median(found)
+    text = number(middle) if np.isfinite(middle) else "later"
+    return f"{text} ({reached.sum()} of {len(found)})"
+
+
+def reach(experiments):
+    """Steps and minutes until 0.5, 0.8 and 0.9."""
+    rows = []
+    for name in ("main", "solve"):
+        cells = experiments.get(name, [])
+        for task in names.tasks_of(cells):
+            for arm in names.arms_of(cells):
+                own = scores.select(cells, task, arm)
+                for source in (learning.DETERMINISTIC, learning.NOISE):
+                    counted = [cell for cell in own if source == learning.NOISE or "random" in cell.evaluations]
+                    if not counted:
+                        continue
+                    row = [name, task, names.label_of(arm, cells), source]
+                    for threshold in efficiency.THRESHOLDS:
+                        steps = efficiency.reaches(counted, source, threshold)
+                        row.append(_reach_text(steps / 1e6, lambda value: f"{value:.2f}"))
+                    minutes = np.array([curves.minutes_at(cell.progress, value) if np.isfinite(value) else np.inf
+                                        for cell, value in zip(counted, steps)])
+                    rows.append(row + [_reach_text(minutes, lambda value: f"{value:.1f}")])
+    if not rows:
+        return None
+    header = (" experiment", " task", " arm", " success", *(f"M steps to {threshold}" for threshold in
+              efficiency.THRESHOLDS), f"minutes to {efficiency.THRESHOLDS[-1]}")
+    return _table(header, rows) + (
+        "\n\nMedians over all seeds, those that never got there counted as later; in brackets: how many got there. "
+        "Deterministic: the first milestone; under noise: the first mean over 10 updates. Minutes are wall-clock "
+        "time of runs that shared a machine of 2 cores with others.")
+
+
+def public(experiments):
+    """Beside what others published."""
+    rows = []
+    for name in ("main", "solve"):
+        cells = [cell for cell in experiments.get(name, []) if cell.method == "multihead"]
+        for task in names.tasks_of(cells):
+            for arm in names.arms_of(scores.select(cells, task)):
+                own = scores.select(cells, task, arm)
+                rows.append([task, f"{names.label_of(arm, own)} ({name})", _millions(cell.steps for cell in own)]
+                            + [_iqm_text([list(scores.by_seed(own, score).values())], score)
+                               for score in (scores.DETERMINISTIC, scores.RETURN)])
+    if not rows:
+        return None
+    steps = f"{published.STEPS / 1e6:g}"
+    tasks = names.in_order({row[0] for row in rows}, names.TASKS)
+    for task in tasks:
+        if task in published.SAC:
+            rows += [[task, "SAC", steps, f"{published.SAC[task]:.2f}", "–"],
+                     [task, "TD-MPC2", steps, f"about {published.TD_MPC2[task]:.1f}", "–"]]
+        if task in published.APPO_RETURN:
+            rows.append([task, "APPO of Sample Factory", f"{published.APPO_STEPS / 1e6:g}", "–",
+                         str(published.APPO_RETURN[task])])
+    rows.sort(key=lambda row: tasks.index(row[0]))
+    return _table((" task", " who", "steps (M)", "success, deterministic", "return"), rows) + (
+        "\n\nOthers' results are published ones (SAC and TD-MPC2: means of 3 seeds by the authors of TD-MPC2), "
+        f"on their own settings of the tasks. {INTERVAL}")
+
+
+def head_sweep(experiments):
+    rows = []
+    for task in names.tasks_of(experiments.get("heads", [])):
+        for k, (cells, borrowed) in heads.sweep(experiments, task).items():
+            row = [task, str(k), "main" if borrowed else "heads", str(len(cells))]
+            rows.append(row + [_iqm_text([list(scores.by_seed(cells, score).values())], score)
+                               for score in (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC)])
+    if not rows:
+        return None
+    return _table((" task", "k", " experiment", "seeds", "return", "success, noise", "success, deterministic"),
+                  rows) + f"\n\nInterquartile means over seeds at the end. {MEANING} {INTERVAL}"
+
+
+def control_differences(experiments):
+    found, rows = controls.pairs(experiments), []
+    for arm in names.in_order({arm for arm, *_ in found}, names.ARMS):
+        own = [row for row in found if row[0] == arm]
+        label, less = (names.look_of(name, [name]).label for name in own[0][:2])
+        rows += [[label, less, *row] for row in _difference_rows([row[2:] for row in own])]
+    if not rows:
+        return None
+    return _table((" control", " less", *_DIFFERENCE_COLUMNS), rows) + f"\n\n{_DIFFERENCE} {TEST}"
+
+
+def solve(experiments):
+    cells = experiments.get("solve", [])
+    return _ends(cells) if cells else None
+
+
+TABLES = {"final": final, "improvement": improvement, "differences": differences,
+          "time-to-success": time_to_success, "reach": reach, "public": public, "heads": head_sweep,
+          "controls": control_differences, "solve": solve}

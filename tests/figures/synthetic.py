@@ -1,0 +1,89 @@
+"""Invented results in the format of deploy/experiment, for tests alone; never written below results/."""
+
+import csv
+import json
+import math
+import random
+
+TASKS = ("assembly", "bin-picking", "box-close", "push")
+COLUMNS = ("steps", "update", "episodes", "return", "success", "success_end", "kl", "fps", "wall_seconds")
+EVALUATION = ("steps", "update", "placements", "episodes", "success", "success_end", "return",
+              "time_to_success")
+
+
+def _write(path, columns, rows):
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def cell(results, experiment, task, arm, seed, *, method="multihead", heads=10, updates=50,
+         steps_per_update=40000, horizon=500, level=0.6, evaluations=4):
+    """One finished cell: a curve that rises towards `level`.  @return its folder."""
+    rng = random.Random(f"{experiment} {task} {arm} {seed}")
+    folder = results / experiment / f"{task}-{arm}-s{seed}"
+    folder.mkdir(parents=True)
+    (results / experiment / "experiment.toml").write_text(f'name = "{experiment}"\n')
+    reach, pace = min(0.98, max(0.02, rng.gauss(level, 0.12))), rng.uniform(5, 9)
+
+    def share(i):
+        return reach / (1 + math.exp(4 - pace * i / updates * 1.4))
+
+    progress, evaluated = [], []
+    for i in range(1, updates + 1):
+        success = min(1.0, max(0.0, round((share(i) + rng.gauss(0, 0.05)) * 16) / 16))
+        progress.append({
+            "steps": i * steps_per_update, "update": i, "episodes": 16 * i,
+            "return": horizon * 10 * (0.04 + 0.8 * share(i)) * rng.uniform(0.93, 1.07),
+            "success": success, "success_end": success * 0.875, "kl": 0.01, "fps": 9000.0,
+            "wall_seconds": i * rng.uniform(0.98, 1.02) * steps_per_update / 9000})
+        if evaluations and i % (updates // evaluations) == 0:
+            good = round(50 * min(1.0, 1.1 * share(i))) / 50
+            evaluated.append({
+                "steps": i * steps_per_update, "update": i, "placements": "random", "episodes": 50,
+                "success": good, "success_end": good * 0.9, "return": horizon * 9 * share(i),
+                "time_to_success": f"{rng.uniform(90, 160):.1f}" if good else ""})
+    for before, after in zip(progress, progress[1:]):
+        after["wall_seconds"] = max(after["wall_seconds"], before["wall_seconds"] + 0.1)
+    _write(folder / "progress.csv", COLUMNS, progress)
+    if evaluated:
+        _write(folder / "evaluation.csv", EVALUATION, evaluated)
+    (folder / "config.textproto").write_text(f"collection {{\n  horizon: {horizon}\n}}\n")
+    (folder / "run.json").write_text(json.dumps({
+        "experiment": experiment, "cell": folder.name, "task": task, "arm": arm, "seed": seed,
+        "method": method, "heads": heads, "steps": updates * steps_per_update}))
+    return folder
+
+
+ARMS = {"multihead": ("multihead", 10, 0.7), "ppo": ("ppo", 1, 0.45), "ppo-time": ("ppo-time", 1, 0.5)}
+
+
+def main_experiment(results, seeds=5, tasks=TASKS, **options):
+    for task in tasks:
+        for arm, (method, heads, level) in ARMS.items():
+            for seed in range(1, seeds + 1):
+                cell(results, "main", task, arm, seed, method=method, heads=heads, level=level, **options)
+
+
+def everything(results):
+    """All four experiments, with gaps, and one that nobody knows."""
+    main_experiment(results, updates=250, steps_per_update=8000, evaluations=8)
+    for task in TASKS:
+        for k, level in ((2, 0.5), (5, 0.6), (20, 0.7), (50, 0.55)):
+            for seed in (1, 2, 3):
+                cell(results, "heads", task, f"k{k}", seed, heads=k, level=level)
+    controls = {"interleaved": ("multihead", 10, 0.4), "shuffled": ("multihead", 10, 0.55),
+                "ppo-matched": ("ppo", 1, 0.5), "shared-critic": ("multihead", 10, 0.65),
+                "bootstrap": ("multihead", 10, 0.6), "new-idea": ("multihead", 10, 0.9)}
+    for task in TASKS:
+        for arm, (method, heads, level) in controls.items():
+            for seed in (1, 2, 3, 4)[: 2 if arm == "new-idea" else 4]:
+                cell(results, "controls", task, arm, seed, method=method, heads=heads, level=level)
+        for arm, method, level in (("t100-k20", "multihead", 0.5), ("t100-ppo", "ppo", 0.4)):
+            for seed in (1, 2, 3):
+                cell(results, "controls", task, arm, seed, method=method, level=level, horizon=100)
+        for seed in (1, 2, 3):
+            cell(results, "solve", task, "multihead", seed, level=0.97, updates=200,
+                 steps_per_update=50000, evaluations=20)
+    cell(results, "other", "reach", "some-arm", 1)

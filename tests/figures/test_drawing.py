@@ -1,0 +1,121 @@
+"""What is compared with what, and that figures come from what is there."""
+
+import numpy as np
+import pytest
+
+import cells
+import estimates
+import names
+import scores
+import style
+import synthetic
+import tables
+from draw import controls, efficiency, final, heads, learning
+
+
+@pytest.fixture(autouse=True)
+def few_resamples(monkeypatch):
+    """How good intervals are is tested elsewhere."""
+    monkeypatch.setattr(estimates, "RESAMPLES", 20)
+
+
+def read(folder):
+    return cells.read_results(folder)[0]
+
+
+def test_k_equal_to_one_and_ten_come_from_main_where_lengths_agree(tmp_path):
+    synthetic.main_experiment(tmp_path, seeds=2, tasks=["push"], updates=40)
+    synthetic.cell(tmp_path, "heads", "push", "k2", 1, heads=2, updates=40)
+    found = heads.sweep(read(tmp_path), "push")
+    assert {k: (len(own), borrowed) for k, (own, borrowed) in found.items()} == {
+        1: (2, True), 2: (1, False), 10: (2, True)}
+
+
+def test_runs_of_other_length_do_not_enter_the_sweep(tmp_path):
+    synthetic.main_experiment(tmp_path, seeds=1, tasks=["push"], updates=60)
+    synthetic.cell(tmp_path, "heads", "push", "k2", 1, heads=2, updates=40)
+    assert list(heads.sweep(read(tmp_path), "push")) == [2]
+
+
+def test_a_control_is_compared_with_multihead_of_its_own_horizon(tmp_path):
+    synthetic.cell(tmp_path, "main", "push", "multihead", 1)
+    synthetic.cell(tmp_path, "controls", "push", "shuffled", 1)
+    synthetic.cell(tmp_path, "controls", "push", "t100-k20", 1, heads=20, horizon=100)
+    synthetic.cell(tmp_path, "controls", "push", "t100-ppo", 1, method="ppo", heads=1, horizon=100)
+    synthetic.cell(tmp_path, "controls", "push", "short", 1, updates=20)
+    found = {arm: reference for arm, reference, *_ in controls.pairs(read(tmp_path))}
+    assert found == {"shuffled": "multihead", "t100-ppo": "t100-k20"}
+
+
+def test_an_experiment_with_its_own_multihead_is_compared_with_that(tmp_path):
+    for experiment in ("main", "controls"):
+        synthetic.cell(tmp_path, experiment, "push", "multihead", 1)
+    synthetic.cell(tmp_path, "controls", "push", "shuffled", 1)
+    (pair,) = controls.pairs(read(tmp_path))
+    assert [cell.experiment for cell in pair[4]] == ["controls"]
+
+
+def test_only_tasks_with_enough_seeds_of_all_arms_are_averaged(tmp_path):
+    for seed in (1, 2, 3):
+        for task in ("push", "assembly"):
+            synthetic.cell(tmp_path, "main", task, "multihead", seed)
+        synthetic.cell(tmp_path, "main", "push", "ppo", seed)
+    synthetic.cell(tmp_path, "main", "assembly", "ppo", 1)
+    found = read(tmp_path)["main"]
+    shared = scores.shared_tasks(found, ["assembly", "push"], ["multihead", "ppo"], scores.RETURN)
+    assert shared == ["push"]
+
+
+def test_a_normalised_return_is_of_ten_a_step(tmp_path):
+    cell = cells.read_cell(synthetic.cell(tmp_path, "e", "push", "multihead", 1, horizon=100))
+    assert scores.NORMALISED.of(cell) == pytest.approx(cell.progress["return"][-10:].mean() / 1000)
+
+
+def test_seeds_that_never_succeed_count_as_later(tmp_path):
+    for seed, level in ((1, 0.97), (2, 0.02), (3, 0.02)):
+        synthetic.cell(tmp_path, "main", "push", "multihead", seed, level=level)
+    found = efficiency.reaches(read(tmp_path)["main"], learning.DETERMINISTIC, 0.5)
+    assert np.isfinite(found).tolist() == [True, False, False]
+    assert "later (1 of 3)" in tables.reach(read(tmp_path))
+
+
+def test_unknown_arms_get_looks_that_nobody_else_has():
+    arms = ["interleaved", "bootstrap", *(f"new-{i}" for i in range(20))]
+    looks = [names.look_of(arm, arms) for arm in arms]
+    assert len({(look.colour, look.line) for look in looks}) == len(arms)
+
+
+def test_known_names_come_first():
+    assert names.in_order({"zebra", "push", "assembly", "door"}, names.TASKS) == [
+        "assembly", "push", "door", "zebra"]
+
+
+def test_every_figure_and_table_can_be_made_of_one_run_without_evaluation(tmp_path):
+    for experiment in ("main", "heads", "controls", "solve"):
+        synthetic.cell(tmp_path, experiment, "push", "multihead", 1, evaluations=0, updates=3)
+    experiments = read(tmp_path)
+    for draw in (learning.main, learning.main_success, learning.wallclock, learning.solve, final.final,
+                 heads.heads, efficiency.efficiency):
+        style.use()
+        figure, caption = draw(experiments)
+        style.save(figure, tmp_path / "figure.png")
+        assert caption.strip().endswith(".")
+    for table in tables.TABLES.values():
+        assert "nan" not in (table(experiments) or "")
+
+
+def test_a_table_says_where_seeds_are_too_few(tmp_path):
+    for seed in (1, 2):
+        synthetic.cell(tmp_path, "main", "push", "multihead", seed)
+    assert "too few" in tables.final(read(tmp_path)).splitlines()[2]
+
+
+def test_evaluations_on_other_placements_are_kept_apart(tmp_path):
+    folder = synthetic.cell(tmp_path, "main", "push", "multihead", 1)
+    path = folder / "evaluation.csv"
+    rows = path.read_text().splitlines()
+    path.write_text("\n".join([rows[0], *(row.replace("random", place) for row in rows[1:]
+                                          for place in ("mt1", "random"))]) + "\n")
+    cell = cells.read_cell(folder)
+    assert sorted(cell.evaluations) == ["mt1", "random"]
+    assert len(cell.evaluations["random"]["steps"]) == 4
