@@ -100,8 +100,11 @@ struct HeadsAsActions {
     config.mutable_policy()->set_schedule(schedule);
     const MlpLayout layout = ActorLayout(ShapeOf(config));
     snapshot.parameters.assign(layout.size, 0.0F);
-    for (std::size_t i = 0; i < 20; ++i) snapshot.parameters[layout.head.bias + i] = float(i / 4);
-    for (std::size_t i = 0; i < 20; ++i) snapshot.parameters[layout.log_std + i] = -80;
+    for (std::size_t i = 0; i < 20; ++i) {
+      const std::size_t head = i / 4;
+      snapshot.parameters[layout.head.bias + i] = float(head);
+      snapshot.parameters[layout.log_std + i] = -80;
+    }
     snapshot.observation_mean.assign(kObservationSize, 0.0F);
     snapshot.observation_inv_std.assign(kObservationSize, 1.0F);
   }
@@ -153,7 +156,7 @@ TEST(PlayEpisodeTest, TagsAndActionsAreThoseOfTheSchedulesHeads) {
 }
 
 TEST(RunEvaluateTest, NamesWhatIsWrongWithItsOptions) {
-  const auto fail = [](EvaluateOptions options, int want) {
+  const auto fail = [](const EvaluateOptions& options, int want) {
     std::ostringstream out;
     std::ostringstream err;
     EXPECT_EQ(RunEvaluate(options, out, err), want);
