@@ -71,8 +71,9 @@ Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
     try {
       const auto environment = metaworld::MakeEnvironment(task, environment_options);
       for (std::size_t i = next++; i < evaluation.episodes.size(); i = next++) {
-        evaluation.episodes[i] = PlayDeterministic(
-            config, snapshot, EvaluationPlacement(options, task, i), *environment);
+        evaluation.episodes[i] =
+            PlayDeterministic(config, snapshot, {RandomPurpose::kEvaluate, options.seed, i},
+                              EvaluationPlacement(options, task, i), *environment);
       }
     } catch (...) {
       const std::lock_guard lock(failure_mutex);
@@ -164,13 +165,15 @@ metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const std
 }
 
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
-                                   const metaworld::RandVec& placement,
+                                   const EpisodeKey& episode, const metaworld::RandVec& placement,
                                    metaworld::Environment& environment) {
   Policy policy(config, snapshot);
+  const HeadSchedule schedule(config, episode);
   EvaluatedEpisode result;
   Float39 observation = AsPolicySees(environment.Reset(placement));
   for (std::int32_t t = 0; t < config.environment().horizon(); ++t) {
-    const metaworld::StepResult step = environment.Step(policy.Mean(observation.data(), t));
+    const metaworld::StepResult step =
+        environment.Step(policy.Mean(schedule, observation.data(), t));
     observation = AsPolicySees(step.observation);
     result.episode_return += step.reward;
     result.success_end = step.info.success;

@@ -8,6 +8,7 @@
 
 #include "actor/metaworld/environment.h"
 #include "common/config.pb.h"
+#include "common/head_schedule.h"
 #include "common/messages.h"
 
 namespace metronome {
@@ -52,8 +53,9 @@ metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const std
                                        std::uint64_t index);
 
 /// Plays one episode with the mean action at every step.
+/// @param episode  of the evaluation: {kEvaluate, its seed, the index}.
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
-                                   const metaworld::RandVec& placement,
+                                   const EpisodeKey& episode, const metaworld::RandVec& placement,
                                    metaworld::Environment& environment);
 
 /// `metronome-actor evaluate`: success rate with its confidence interval and mean return of a

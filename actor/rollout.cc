@@ -8,6 +8,7 @@
 #include "actor/metaworld/placement.h"
 #include "actor/metaworld/task_table.h"
 #include "common/cpu_times.h"
+#include "common/head_schedule.h"
 #include "common/policy.h"
 #include "common/random.h"
 
@@ -89,6 +90,7 @@ std::optional<Episode> PlayEpisode(const RunConfig& config, const PolicySnapshot
   Stopwatch stopwatch;
   const std::int32_t horizon = config.environment().horizon();
   Policy policy(config, snapshot);
+  const HeadSchedule schedule(config, TrainingEpisode(config, number));
   Episode episode = EmptyEpisode(number, snapshot.version, static_cast<std::size_t>(horizon));
   stopwatch.Lap(CpuUse::kPolicy);
   AppendObservation(environment.Reset(TrainingPlacement(config, number)), episode);
@@ -97,7 +99,7 @@ std::optional<Episode> PlayEpisode(const RunConfig& config, const PolicySnapshot
     if (cancel.load(std::memory_order_relaxed)) return std::nullopt;
     const float* observation = episode.observation.data() + std::size_t(t) * kObservationSize;
     const Policy::Decision decision =
-        policy.Act(observation, t, ActionNoise(config.seed(), number, t));
+        policy.Act(schedule, observation, t, ActionNoise(config.seed(), number, t));
     stopwatch.Lap(CpuUse::kPolicy);
     const metaworld::StepResult step = environment.Step(decision.action);
     stopwatch.Lap(CpuUse::kPhysics);

@@ -115,9 +115,10 @@ std::string_view CheckFrame(std::string_view bytes, const std::string& name) {
                                                           std::to_string(payload.size())));
   }
   const auto format = Get<std::uint32_t>(bytes, kVersionAt);
-  if (format != kCheckpointFormat) {
+  if (format < kOldestCheckpointFormat || format > kCheckpointFormat) {
     throw CheckpointError(name + ": checkpoint format " + std::to_string(format) +
-                          ", this build reads format " + std::to_string(kCheckpointFormat));
+                          ", this build reads formats " + std::to_string(kOldestCheckpointFormat) +
+                          " to " + std::to_string(kCheckpointFormat));
   }
   return payload;
 }
@@ -162,7 +163,8 @@ std::string ShapeText(const RunConfig& config) {
   const NetworkShape shape = ShapeOf(config);
   std::string text = std::to_string(shape.input()) + " inputs, hidden";
   for (const auto width : shape.hidden) text += " " + std::to_string(width);
-  return text + ", " + std::to_string(shape.heads) + " heads of " + std::to_string(shape.action);
+  return text + ", " + std::to_string(shape.heads) + " heads of " + std::to_string(shape.action) +
+         ", " + std::to_string(shape.critic_heads) + " of the critic";
 }
 
 }  // namespace

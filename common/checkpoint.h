@@ -15,8 +15,12 @@
 /// the 20 bytes before it and of the payload | payload (common/checkpoint.proto).
 namespace metronome {
 
-/// Grows whenever the payload's meaning changes; other versions are refused. The frame stays.
-inline constexpr std::uint32_t kCheckpointFormat = 1;
+/// What is written. Grows whenever an older build would misread the payload; it refuses a newer
+/// format by name. The frame stays.
+/// 2: the configuration names the heads' schedule and the critic's heads (1: blocks, separate).
+inline constexpr std::uint32_t kCheckpointFormat = 2;
+/// What is read: from here to kCheckpointFormat.
+inline constexpr std::uint32_t kOldestCheckpointFormat = 1;
 
 /// How far the run's logs had come (learner/progress_log.h): resuming cuts them back to this.
 struct LogOffsets {
@@ -43,8 +47,8 @@ class CheckpointError : public std::runtime_error {
 
 /// The whole file as bytes, and back. The same checkpoint gives the same bytes.
 /// @param name  of the file, for messages.
-/// @throws CheckpointError for anything but an undamaged checkpoint of kCheckpointFormat whose
-///         state fits its configuration.
+/// @throws CheckpointError for anything but an undamaged checkpoint of a known format whose state
+///         fits its configuration.
 std::string EncodeCheckpoint(const Checkpoint& checkpoint);
 Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name);
 

@@ -20,10 +20,19 @@ bool IsMessage(const FieldDescriptor& field) {
   return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
 }
 
+/// "CRITIC_HEADS_" for the enum CriticHeads.
+std::string PrefixOf(const EnumDescriptor& type) {
+  std::string prefix;
+  for (const char c : type.name()) {
+    if (!prefix.empty() && std::isupper(static_cast<unsigned char>(c))) prefix += '_';
+    prefix += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  return prefix + "_";
+}
+
 std::string Word(const EnumValueDescriptor& value) {
   std::string word = value.name();
-  std::string prefix = value.type()->name() + "_";
-  std::transform(prefix.begin(), prefix.end(), prefix.begin(), ::toupper);
+  const std::string prefix = PrefixOf(*value.type());
   if (word.starts_with(prefix)) word.erase(0, prefix.size());
   std::transform(word.begin(), word.end(), word.begin(),
                  [](unsigned char c) { return c == '_' ? '-' : std::tolower(c); });

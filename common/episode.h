@@ -25,7 +25,7 @@ struct Episode {
   std::vector<float> action;          // [T, 4], as sampled: before the environment clips
   std::vector<float> log_prob;        // [T], nats, of the unclipped action
   std::vector<float> reward;          // [T], the environment's own scale (0..10)
-  std::vector<std::uint16_t> head;    // [T], floor(t * k / T)
+  std::vector<std::uint16_t> head;    // [T], by the run's schedule (head_schedule.h)
   std::vector<std::uint8_t> flags;    // [T], StepFlag bits
 
   [[nodiscard]] std::int32_t length() const { return static_cast<std::int32_t>(reward.size()); }

@@ -5,12 +5,23 @@
 
 namespace metronome {
 
-HeadSchedule::HeadSchedule(std::int32_t heads, std::int32_t horizon)
-    : heads_(heads), horizon_(horizon) {
-  if (heads < 1 || heads > horizon) {
-    throw std::invalid_argument("heads = " + std::to_string(heads) +
+EpisodeKey TrainingEpisode(const RunConfig& config, std::uint64_t number) {
+  return {RandomPurpose::kTrain, config.seed(), number};
+}
+
+HeadSchedule::HeadSchedule(const RunConfig& config, const EpisodeKey& episode)
+    : heads_(config.policy().heads()),
+      horizon_(config.environment().horizon()),
+      interleaved_(config.policy().schedule() == SCHEDULE_INTERLEAVED) {
+  if (heads_ < 1 || heads_ > horizon_) {
+    throw std::invalid_argument("heads = " + std::to_string(heads_) +
                                 " must be at least 1 and at most the horizon of " +
-                                std::to_string(horizon) + " steps");
+                                std::to_string(horizon_) + " steps");
+  }
+  if (config.policy().schedule() == SCHEDULE_SHUFFLED) {
+    order_ = Permutation(static_cast<std::uint32_t>(heads_),
+                         {RandomPurpose::kHeadOrder, episode.seed, episode.number,
+                          static_cast<std::uint64_t>(episode.purpose)});
   }
 }
 
@@ -19,12 +30,15 @@ std::int32_t HeadSchedule::HeadAt(std::int32_t t) const {
     throw std::out_of_range("step " + std::to_string(t) + " is outside an episode of " +
                             std::to_string(horizon_) + " steps");
   }
+  if (interleaved_) return t % heads_;
   // Integers, 64-bit product: t * (k / T) in double gives 0 at t = 49, k = 2, T = 98.
-  return static_cast<std::int32_t>(std::int64_t{t} * heads_ / horizon_);
+  const auto block = static_cast<std::int32_t>(std::int64_t{t} * heads_ / horizon_);
+  return order_.empty() ? block
+                        : static_cast<std::int32_t>(order_[static_cast<std::size_t>(block)]);
 }
 
 std::int32_t HeadSchedule::ValueHeadAt(std::int32_t t) const {
-  return t == horizon_ ? heads_ - 1 : HeadAt(t);
+  return HeadAt(t == horizon_ ? t - 1 : t);
 }
 
 }  // namespace metronome

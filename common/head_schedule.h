@@ -1,28 +1,47 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
+
+#include "common/config.pb.h"
+#include "common/random.h"
 
 namespace metronome {
 
-/// Maps an in-episode step to the policy head that acts on it: j = floor(t * k / T), in integers.
+/// Which episode: the key of what is drawn anew for each.
+struct EpisodeKey {
+  RandomPurpose purpose = RandomPurpose::kTrain;  // or kEvaluate
+  std::uint64_t seed = 0;                         // of the run, or of the evaluation
+  std::uint64_t number = 0;                       // in it, from 0
+};
+
+/// Episode `number` of a training run.
+EpisodeKey TrainingEpisode(const RunConfig& config, std::uint64_t number);
+
+/// Maps the steps of one episode of T steps to the k heads: a pure function of configuration,
+/// episode and step. t counts the steps already taken, 0..T-1 (the paper counts from 1).
 ///
-/// An episode of T steps is cut into k consecutive segments whose lengths differ by at most one;
-/// head j owns segment j. The paper counts t from 1; here t counts the steps already taken, 0..T-1.
-/// Source: Qureshi, Eisner, Held, arXiv:2401.01993, eq. 4. Immutable, hence thread-safe.
+/// - SCHEDULE_BLOCKS: j = floor(t * k / T), in integers. k consecutive blocks whose lengths differ
+///   by at most one; head j owns block j. Source: Qureshi, Eisner, Held, arXiv:2401.01993, eq. 4.
+/// - SCHEDULE_INTERLEAVED: j = t mod k. Each head has as many steps as in blocks, to one, but all
+///   over the episode.
+/// - SCHEDULE_SHUFFLED: the same blocks; block b belongs to head order[b], a uniform permutation
+///   drawn from the stream {kHeadOrder, seed, number, purpose} of the episode's key.
+///
+/// Immutable, hence thread-safe.
 class HeadSchedule {
  public:
-  /// @param heads    k.
-  /// @param horizon  T, environment steps an episode.
-  /// @throws std::invalid_argument unless 1 <= heads <= horizon.
-  HeadSchedule(std::int32_t heads, std::int32_t horizon);
+  /// @param config  resolved. @throws std::invalid_argument unless 1 <= policy.heads <= T.
+  HeadSchedule(const RunConfig& config, const EpisodeKey& episode);
 
-  /// @param t  environment steps taken since reset, in [0, horizon).
-  /// @return   head in [0, heads), non-decreasing in t.
-  /// @throws std::out_of_range if t is outside [0, horizon).
+  /// @param t  environment steps taken since reset, in [0, T).
+  /// @return   head in [0, k).
+  /// @throws std::out_of_range if t is outside [0, T).
   [[nodiscard]] std::int32_t HeadAt(std::int32_t t) const;
 
-  /// Like HeadAt, and defined at t = T too: the value after the last step belongs to the last head.
-  /// @throws std::out_of_range if t is outside [0, horizon].
+  /// Like HeadAt, and defined at t = T too: the value after the last step belongs to the head that
+  /// acted in it, which is head k-1 in blocks.
+  /// @throws std::out_of_range if t is outside [0, T].
   [[nodiscard]] std::int32_t ValueHeadAt(std::int32_t t) const;
 
   [[nodiscard]] std::int32_t heads() const { return heads_; }
@@ -31,6 +50,8 @@ class HeadSchedule {
  private:
   std::int32_t heads_;
   std::int32_t horizon_;
+  bool interleaved_;
+  std::vector<std::uint32_t> order_;  // of the blocks' heads; empty: block b belongs to head b
 };
 
 }  // namespace metronome

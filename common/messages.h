@@ -10,8 +10,8 @@
 namespace metronome {
 
 /// Grows whenever wire types or the meaning of a message change. Peers of another version are
-/// refused, both versions named.
-inline constexpr std::uint32_t kProtocolVersion = 1;
+/// refused, both versions named. 2: the configuration names the heads' schedule.
+inline constexpr std::uint32_t kProtocolVersion = 2;
 
 /// Learner to all: everything an actor needs to know. The newest incarnation rules.
 struct RunDescription {

@@ -16,7 +16,7 @@ LayerSlice NextLayer(std::int32_t inputs, std::int32_t outputs, std::size_t& off
   return slice;
 }
 
-MlpLayout Layout(const NetworkShape& shape, std::int32_t head_outputs, bool with_log_std) {
+MlpLayout Layout(const NetworkShape& shape, std::int32_t heads, std::int32_t head_outputs) {
   MlpLayout layout;
   std::size_t offset = 0;
   std::int32_t inputs = shape.input();
@@ -25,21 +25,23 @@ MlpLayout Layout(const NetworkShape& shape, std::int32_t head_outputs, bool with
     layout.hidden.push_back(NextLayer(inputs, width, offset));
     inputs = width;
   }
+  layout.heads = heads;
   layout.head_outputs = head_outputs;
-  layout.head = NextLayer(inputs, shape.heads * head_outputs, offset);
+  layout.head = NextLayer(inputs, heads * head_outputs, offset);
   layout.log_std = offset;
-  if (with_log_std) {
-    offset += static_cast<std::size_t>(shape.heads) * static_cast<std::size_t>(shape.action);
-  }
   layout.size = offset;
   return layout;
 }
 
 }  // namespace
 
-MlpLayout ActorLayout(const NetworkShape& shape) { return Layout(shape, shape.action, true); }
+MlpLayout ActorLayout(const NetworkShape& shape) {
+  MlpLayout layout = Layout(shape, shape.heads, shape.action);
+  layout.size += static_cast<std::size_t>(shape.heads) * static_cast<std::size_t>(shape.action);
+  return layout;
+}
 
-MlpLayout CriticLayout(const NetworkShape& shape) { return Layout(shape, 1, false); }
+MlpLayout CriticLayout(const NetworkShape& shape) { return Layout(shape, shape.critic_heads, 1); }
 
 std::size_t ParameterCount(const NetworkShape& shape) {
   return ActorLayout(shape).size + CriticLayout(shape).size;
@@ -51,6 +53,7 @@ NetworkShape ShapeOf(const RunConfig& config) {
   shape.time_feature = policy.method() == PPO_TIME;
   shape.hidden.assign(policy.hidden().begin(), policy.hidden().end());
   shape.heads = policy.heads();
+  shape.critic_heads = policy.critic_heads() == CRITIC_HEADS_SHARED ? 1 : shape.heads;
   return shape;
 }
 

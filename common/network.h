@@ -14,9 +14,14 @@ struct NetworkShape {
   bool time_feature = false;  // ppo-time: 2t/T-1 is appended, after normalisation
   std::vector<std::int32_t> hidden = {128, 128};
   std::int32_t heads = 10;
+  std::int32_t critic_heads = 10;  // one a head, or 1 for all (policy.critic_heads)
   std::int32_t action = 4;
 
   [[nodiscard]] std::int32_t input() const { return observation + (time_feature ? 1 : 0); }
+  /// The critic's head that values the states of the policy's `head`.
+  [[nodiscard]] std::int32_t value_head(std::int32_t head) const {
+    return critic_heads == 1 ? 0 : head;
+  }
   bool operator==(const NetworkShape&) const = default;
 };
 
@@ -35,6 +40,7 @@ struct LayerSlice {
 struct MlpLayout {
   std::vector<LayerSlice> hidden;
   LayerSlice head;
+  std::int32_t heads = 0;         // k; of the critic 1 where it is shared
   std::int32_t head_outputs = 0;  // action means (actor) or 1 (critic)
   std::size_t log_std = 0;        // actor only
   std::size_t size = 0;           // floats in all

@@ -24,7 +24,6 @@ constexpr Eigen::Index kVector = Eigen::internal::packet_traits<float>::size;
 Policy::Policy(const RunConfig& config, const PolicySnapshot& snapshot)
     : version_(snapshot.version),
       shape_(ShapeOf(config)),
-      schedule_(shape_.heads, config.environment().horizon()),
       clip_(static_cast<float>(config.policy().observation_clip())),
       observation_mean_(snapshot.observation_mean),
       observation_inv_std_(snapshot.observation_inv_std),
@@ -113,13 +112,19 @@ void Policy::Layer::Apply(const float* input, Eigen::Index input_stride, float* 
   }
 }
 
+void Policy::RequireFit(const HeadSchedule& schedule) const {
+  if (schedule.heads() == shape_.heads) return;
+  throw std::invalid_argument("a schedule of " + std::to_string(schedule.heads()) +
+                              " heads for a policy of " + std::to_string(shape_.heads));
+}
+
 template <int States>
-void Policy::MeansOf(const float* observations, std::int32_t t,
+void Policy::MeansOf(const HeadSchedule& schedule, const float* observations, std::int32_t t,
                      std::array<float, kActionSize>* means) {
+  RequireFit(schedule);
   for (int s = 0; s < States; ++s) {
     WriteInput(shape_, observations + s * shape_.observation, observation_mean_.data(),
-               observation_inv_std_.data(), clip_, t + s, schedule_.horizon(),
-               input_.col(s).data());
+               observation_inv_std_.data(), clip_, t + s, schedule.horizon(), input_.col(s).data());
   }
   const Eigen::MatrixXf* below = &input_;
   for (std::size_t i = 0; i < hidden_.size(); ++i) {
@@ -131,33 +136,37 @@ void Policy::MeansOf(const float* observations, std::int32_t t,
     below = &output;
   }
   for (int s = 0; s < States; ++s) {
-    heads_[schedule_.HeadAt(t + s)].Apply<1>(below->col(s).data(), 0, head_output_.data(), 0);
+    heads_[schedule.HeadAt(t + s)].Apply<1>(below->col(s).data(), 0, head_output_.data(), 0);
     std::copy_n(head_output_.data(), kActionSize, means[s].begin());
   }
 }
 
-std::array<float, kActionSize> Policy::Mean(const float* observation, std::int32_t t) {
+std::array<float, kActionSize> Policy::Mean(const HeadSchedule& schedule, const float* observation,
+                                            std::int32_t t) {
   std::array<float, kActionSize> mean;
-  MeansOf<1>(observation, t, &mean);
+  MeansOf<1>(schedule, observation, t, &mean);
   return mean;
 }
 
-std::array<std::array<float, kActionSize>, Policy::kStates> Policy::Means(const float* observations,
-                                                                          std::int32_t t) {
+std::array<std::array<float, kActionSize>, Policy::kStates> Policy::Means(
+    const HeadSchedule& schedule, const float* observations, std::int32_t t) {
   std::array<std::array<float, kActionSize>, kStates> means;
-  MeansOf<kStates>(observations, t, means.data());
+  MeansOf<kStates>(schedule, observations, t, means.data());
   return means;
 }
 
-Policy::Decision Policy::Act(const float* observation, std::int32_t t, RandomStream noise) {
-  return ActAround(Mean(observation, t), t, noise);
+Policy::Decision Policy::Act(const HeadSchedule& schedule, const float* observation, std::int32_t t,
+                             RandomStream noise) {
+  return ActAround(schedule, Mean(schedule, observation, t), t, noise);
 }
 
-Policy::Decision Policy::ActAround(const std::array<float, kActionSize>& mean, std::int32_t t,
+Policy::Decision Policy::ActAround(const HeadSchedule& schedule,
+                                   const std::array<float, kActionSize>& mean, std::int32_t t,
                                    RandomStream noise) const {
+  RequireFit(schedule);
   Decision decision;
   decision.mean = mean;
-  decision.head = schedule_.HeadAt(t);
+  decision.head = schedule.HeadAt(t);
   const auto& stds = std_[decision.head];
   for (int i = 0; i < kActionSize; ++i) {
     decision.action[i] = decision.mean[i] + stds[i] * static_cast<float>(noise.Normal());

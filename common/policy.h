@@ -15,7 +15,8 @@
 namespace metronome {
 
 /// The policy of one snapshot, one state at a time: what actors act with and what the learner
-/// recomputes, to the last bit, when it checks them. Diagonal Gaussian; time alone picks the head.
+/// recomputes, to the last bit, when it checks them. Diagonal Gaussian; the episode's schedule
+/// picks the head, which makes one Policy serve any number of episodes, in any order.
 ///
 /// Bit-equality: every sum runs over its inputs in order, in fused multiply-adds where
 /// METRONOME_MARCH has them (vectors run along the outputs), so neither vector width nor alignment
@@ -34,20 +35,25 @@ class Policy {
 
   [[nodiscard]] std::uint64_t version() const { return version_; }  // of the snapshot
 
-  /// Mean action of the head that owns step t.
+  /// Mean action of the head that owns step t. Here and below:
+  /// @param schedule     of the episode. @throws std::invalid_argument if it has another k.
   /// @param observation  [39], as published. @param t  in [0, T).
-  std::array<float, kActionSize> Mean(const float* observation, std::int32_t t);
+  std::array<float, kActionSize> Mean(const HeadSchedule& schedule, const float* observation,
+                                      std::int32_t t);
 
   /// Mean of kStates consecutive steps at once, to the bit as one by one and in half the time.
   /// @param observations  [kStates, 39]. @param t  of the first, in [0, T - kStates].
   static constexpr int kStates = 4;
-  std::array<std::array<float, kActionSize>, kStates> Means(const float* observations,
+  std::array<std::array<float, kActionSize>, kStates> Means(const HeadSchedule& schedule,
+                                                            const float* observations,
                                                             std::int32_t t);
 
   /// Samples the action of step t with the standard normal numbers of `noise`.
-  Decision Act(const float* observation, std::int32_t t, RandomStream noise);
+  Decision Act(const HeadSchedule& schedule, const float* observation, std::int32_t t,
+               RandomStream noise);
   /// The same where the mean of step t is known.
-  [[nodiscard]] Decision ActAround(const std::array<float, kActionSize>& mean, std::int32_t t,
+  [[nodiscard]] Decision ActAround(const HeadSchedule& schedule,
+                                   const std::array<float, kActionSize>& mean, std::int32_t t,
                                    RandomStream noise) const;
 
  private:
@@ -71,11 +77,12 @@ class Policy {
   static Layer Transpose(const float* parameters, const LayerSlice& slice, std::int32_t first_row,
                          std::int32_t rows);
   template <int States>
-  void MeansOf(const float* observations, std::int32_t t, std::array<float, kActionSize>* means);
+  void MeansOf(const HeadSchedule& schedule, const float* observations, std::int32_t t,
+               std::array<float, kActionSize>* means);
+  void RequireFit(const HeadSchedule& schedule) const;
 
   std::uint64_t version_;
   NetworkShape shape_;
-  HeadSchedule schedule_;
   float clip_;
   std::vector<float> observation_mean_;
   std::vector<float> observation_inv_std_;

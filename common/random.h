@@ -12,7 +12,8 @@ enum class RandomPurpose : std::uint64_t {
   kTrain = 1,
   kEvaluate = 2,
   kInitialise = 3,
-  kShuffle = 4
+  kShuffle = 4,
+  kHeadOrder = 5
 };
 
 /// Which draw inside a train or evaluate episode; see RandomStream's `t`.

@@ -47,8 +47,7 @@ std::optional<std::string> CheckFinite(const Episode& episode) {
   return std::nullopt;
 }
 
-std::optional<std::string> CheckSchedule(const Episode& episode, const RunConfig& config) {
-  const HeadSchedule schedule(config.policy().heads(), config.environment().horizon());
+std::optional<std::string> CheckSchedule(const Episode& episode, const HeadSchedule& schedule) {
   for (std::int32_t t = 0; t < schedule.horizon(); ++t) {
     const auto at = std::size_t(t);
     if (episode.head[at] != schedule.HeadAt(t)) {
@@ -70,10 +69,10 @@ bool Equal(float given, float expected, double tolerance) {
 }
 
 std::optional<std::string> CheckStep(const Episode& episode, const Policy& policy,
-                                     const RunConfig& config, std::int32_t t,
-                                     const std::array<float, kActionSize>& mean) {
+                                     const RunConfig& config, const HeadSchedule& schedule,
+                                     std::int32_t t, const std::array<float, kActionSize>& mean) {
   const Policy::Decision expected =
-      policy.ActAround(mean, t, ActionNoise(config.seed(), episode.number, t));
+      policy.ActAround(schedule, mean, t, ActionNoise(config.seed(), episode.number, t));
   const double tolerance = config.collection().check_tolerance();
   const auto at = std::size_t(t);
   bool equal = Equal(episode.log_prob[at], expected.log_prob, tolerance);
@@ -91,29 +90,30 @@ const float* ObservationAt(const Episode& episode, std::int32_t t) {
 }
 
 std::optional<std::string> CheckEveryStep(const Episode& episode, Policy& policy,
-                                          const RunConfig& config) {
+                                          const RunConfig& config, const HeadSchedule& schedule) {
   std::int32_t t = 0;
   for (; t + Policy::kStates <= episode.length(); t += Policy::kStates) {
-    const auto means = policy.Means(ObservationAt(episode, t), t);
+    const auto means = policy.Means(schedule, ObservationAt(episode, t), t);
     for (int i = 0; i < Policy::kStates; ++i) {
-      if (auto reason = CheckStep(episode, policy, config, t + i, means[i])) return reason;
+      if (auto reason = CheckStep(episode, policy, config, schedule, t + i, means[i]))
+        return reason;
     }
   }
   for (; t < episode.length(); ++t) {
-    const auto mean = policy.Mean(ObservationAt(episode, t), t);
-    if (auto reason = CheckStep(episode, policy, config, t, mean)) return reason;
+    const auto mean = policy.Mean(schedule, ObservationAt(episode, t), t);
+    if (auto reason = CheckStep(episode, policy, config, schedule, t, mean)) return reason;
   }
   return std::nullopt;
 }
 
 // The sample is seeded, by a counter that no action uses.
 std::optional<std::string> CheckSample(const Episode& episode, Policy& policy,
-                                       const RunConfig& config) {
+                                       const RunConfig& config, const HeadSchedule& schedule) {
   for (std::int32_t t = 0; t < episode.length(); ++t) {
     RandomStream random(RandomPurpose::kShuffle, config.seed(), ~episode.number, std::uint64_t(t));
     if (random.Uniform() >= config.collection().check_share()) continue;
-    const auto mean = policy.Mean(ObservationAt(episode, t), t);
-    if (auto reason = CheckStep(episode, policy, config, t, mean)) return reason;
+    const auto mean = policy.Mean(schedule, ObservationAt(episode, t), t);
+    if (auto reason = CheckStep(episode, policy, config, schedule, t, mean)) return reason;
   }
   return std::nullopt;
 }
@@ -128,9 +128,10 @@ std::optional<std::string> CheckEpisode(const Episode& episode, Policy& policy,
   }
   if (auto reason = CheckShape(episode, config)) return reason;
   if (auto reason = CheckFinite(episode)) return reason;
-  if (auto reason = CheckSchedule(episode, config)) return reason;
-  return config.collection().check_share() >= 1 ? CheckEveryStep(episode, policy, config)
-                                                : CheckSample(episode, policy, config);
+  const HeadSchedule schedule(config, TrainingEpisode(config, episode.number));
+  if (auto reason = CheckSchedule(episode, schedule)) return reason;
+  return config.collection().check_share() >= 1 ? CheckEveryStep(episode, policy, config, schedule)
+                                                : CheckSample(episode, policy, config, schedule);
 }
 
 }  // namespace metronome

@@ -31,11 +31,11 @@ class Initialiser {
  public:
   Initialiser(float* parameters, std::uint64_t seed) : parameters_(parameters), seed_(seed) {}
 
-  void Network(const MlpLayout& layout, std::int32_t heads, double head_gain) {
+  void Network(const MlpLayout& layout, double head_gain) {
     for (const LayerSlice& slice : layout.hidden) {
       Rows(slice, 0, slice.outputs, std::sqrt(2.0));
     }
-    for (std::int32_t head = 0; head < heads; ++head) {
+    for (std::int32_t head = 0; head < layout.heads; ++head) {
       Rows(layout.head, head * layout.head_outputs, layout.head_outputs, head_gain);
     }
     parameters_ += layout.size;
@@ -67,8 +67,8 @@ std::vector<float> InitialParameters(const NetworkShape& shape, double log_std,
   std::vector<float> parameters(ParameterCount(shape), 0.0F);
   const MlpLayout actor = ActorLayout(shape);
   Initialiser initialiser(parameters.data(), seed);
-  initialiser.Network(actor, shape.heads, 0.01);
-  initialiser.Network(CriticLayout(shape), shape.heads, 1.0);
+  initialiser.Network(actor, 0.01);
+  initialiser.Network(CriticLayout(shape), 1.0);
   std::fill(parameters.begin() + static_cast<std::ptrdiff_t>(actor.log_std),
             parameters.begin() + static_cast<std::ptrdiff_t>(actor.size),
             static_cast<float>(log_std));

@@ -24,17 +24,23 @@ std::vector<double> HeadStd(const Checkpoint& checkpoint) {
   return std_of_head;
 }
 
+std::string PolicyWord(const RunConfig& config, const std::string& field) {
+  return FieldText(config.policy(), *PolicyConfig::descriptor()->FindFieldByName(field));
+}
+
 nlohmann::ordered_json Describe(const Checkpoint& checkpoint) {
   const RunConfig& config = checkpoint.config;
+  const NetworkShape shape = ShapeOf(config);
   const TrainState& state = checkpoint.state;
   return {
       {"version", state.version},
       {"steps", state.steps},
       {"weights_sha256", WeightsSha256(state.parameters)},
       {"task", config.environment().task()},
-      {"method",
-       FieldText(config.policy(), *PolicyConfig::descriptor()->FindFieldByName("method"))},
+      {"method", PolicyWord(config, "method")},
       {"heads", config.policy().heads()},
+      {"schedule", PolicyWord(config, "schedule")},
+      {"critic_heads", PolicyWord(config, "critic_heads")},
       {"seed", config.seed()},
       {"engine", checkpoint.engine},
       {"build", checkpoint.build},
@@ -42,6 +48,8 @@ nlohmann::ordered_json Describe(const Checkpoint& checkpoint) {
       {"episodes_used", state.episodes_used},
       {"total_steps", config.total_steps()},
       {"parameters", state.parameters.size()},
+      {"actor_parameters", ActorLayout(shape).size},
+      {"critic_parameters", CriticLayout(shape).size},
       {"wall_seconds", checkpoint.logs.wall_seconds},
       {"head_std", HeadStd(checkpoint)},
   };
@@ -52,7 +60,7 @@ nlohmann::ordered_json Describe(const Checkpoint& checkpoint) {
 void PrintCheckpoint(const Checkpoint& checkpoint, std::ostream& out) {
   const nlohmann::ordered_json description = Describe(checkpoint);
   for (const auto& [name, value] : description.items()) {
-    out << std::left << std::setw(16) << name
+    out << std::left << std::setw(18) << name
         << (value.is_string() ? value.get<std::string>() : value.dump()) << "\n";
   }
 }

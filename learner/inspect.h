@@ -10,7 +10,8 @@ namespace metronome {
 void PrintCheckpoint(const Checkpoint& checkpoint, std::ostream& out);
 
 /// The same as one JSON object on one line. Stable keys: version, steps, weights_sha256; further:
-/// task, method, heads, seed, engine, build, incarnation, episodes_used, parameters (their number),
+/// task, method, heads, schedule, critic_heads, seed, engine, build, incarnation, episodes_used,
+/// parameters (their number), actor_parameters and critic_parameters (of each network),
 /// total_steps, wall_seconds and head_std ([k], mean of exp(log_std) over the action).
 void PrintCheckpointJson(const Checkpoint& checkpoint, std::ostream& out);
 

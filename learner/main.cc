@@ -5,6 +5,7 @@
 
 #include "common/checkpoint.h"
 #include "common/config.h"
+#include "common/network.h"
 #include "learner/exit_codes.h"
 #include "learner/inspect.h"
 #include "learner/options.h"
@@ -26,8 +27,12 @@ int Execute(const InspectOptions& options) {
   }
 }
 
+// The counts are a comment: the output is a configuration file.
 int Execute(const PrintConfigOptions& options) {
-  std::cout << PrintConfig(options.config);
+  const NetworkShape shape = ShapeOf(options.config);
+  std::cout << "# parameters: " << ParameterCount(shape) << " (actor " << ActorLayout(shape).size
+            << ", critic " << CriticLayout(shape).size << ")\n"
+            << PrintConfig(options.config);
   return kExitFinished;
 }
 

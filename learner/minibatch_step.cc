@@ -25,6 +25,7 @@ struct Shard {
   Mlp actor;
   Mlp critic;
   std::vector<HeadRun> runs;
+  std::vector<HeadRun> value_runs;  // the critic's
   // Actor and critic run as two tasks, so each gathers its input for itself.
   Eigen::MatrixXf actor_input;
   Eigen::MatrixXf critic_input;
@@ -100,6 +101,7 @@ struct MinibatchStep::Impl {
         }
         ++shard.runs.back().count;
       }
+      shard.value_runs = ValueRuns(shard.runs, shape);
     }
   }
 
@@ -169,7 +171,8 @@ struct MinibatchStep::Impl {
     const std::uint32_t* samples = ordered.data() + s * kShardSamples;
     Gather(batch.input, samples, ShardSize(s), shard.critic_input);
     const float* block = parameters + actor_layout.size;
-    const Eigen::MatrixXf& value = shard.critic.Forward(block, shard.critic_input, shard.runs);
+    const Eigen::MatrixXf& value =
+        shard.critic.Forward(block, shard.critic_input, shard.value_runs);
     shard.d_value.resize(1, value.cols());
     shard.value_loss = 0;
     const float weight = float(ppo.value_coefficient()) * inv_samples;
@@ -178,7 +181,7 @@ struct MinibatchStep::Impl {
       shard.value_loss += 0.5 * double{error} * error;
       shard.d_value(0, c) = weight * error;
     }
-    shard.critic.Backward(block, shard.critic_input, shard.runs, shard.d_value,
+    shard.critic.Backward(block, shard.critic_input, shard.value_runs, shard.d_value,
                           shard.gradient.data() + actor_layout.size);
   }
 

@@ -42,6 +42,18 @@ void SumColumns(const Columns& columns, float* sum) {
 
 }  // namespace
 
+std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs, const NetworkShape& shape) {
+  std::vector<HeadRun> value_runs;
+  for (const HeadRun& run : runs) {
+    const std::int32_t head = shape.value_head(run.head);
+    if (value_runs.empty() || value_runs.back().head != head) {
+      value_runs.push_back({head, run.begin, 0});
+    }
+    value_runs.back().count += run.count;
+  }
+  return value_runs;
+}
+
 Mlp::Mlp(MlpLayout layout)
     : layout_(std::move(layout)),
       activation_(layout_.hidden.size()),

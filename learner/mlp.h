@@ -15,15 +15,19 @@ struct HeadRun {
   std::int32_t count = 0;
 };
 
-/// Forward and backward pass of one MLP with k output heads over a shard of n samples, which lie
-/// in columns, ordered by head. Keeps the activations between the two passes. Not thread-safe.
+/// The same columns by the critic's heads: one run where it has one head.
+std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs, const NetworkShape& shape);
+
+/// Forward and backward pass of one MLP with k output heads over n samples, which lie in columns.
+/// Keeps the activations between the two passes. Not thread-safe.
 class Mlp {
  public:
   explicit Mlp(MlpLayout layout);
 
   /// @param parameters  the network's block of the flat vector, layout().size floats.
   /// @param input       [inputs, n].
-  /// @param runs        the heads of the columns: contiguous, covering all n.
+  /// @param runs        the heads of the columns: contiguous, covering all n. For Backward, a head
+  ///                    has one run at most.
   /// @return outputs [head_outputs, n], each column by its own head; valid until the next call.
   const Eigen::MatrixXf& Forward(const float* parameters, const Eigen::MatrixXf& input,
                                  const std::vector<HeadRun>& runs);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/gaussian.h"
+#include "common/head_schedule.h"
 #include "common/network_input.h"
 #include "learner/gae.h"
 #include "learner/mlp.h"
@@ -11,7 +12,8 @@
 namespace metronome {
 namespace {
 
-// Columns 0..T of an episode by head: time order is head order. Column T goes to the last head.
+// Columns 0..T of an episode by head, in time order; a head may come again. Column T goes to the
+// head of the last step.
 std::vector<HeadRun> EpisodeRuns(const HeadSchedule& schedule) {
   std::vector<HeadRun> runs;
   for (std::int32_t t = 0; t <= schedule.horizon(); ++t) {
@@ -28,9 +30,7 @@ class Builder {
       : source_(source),
         batch_(batch),
         shape_(ShapeOf(source.config)),
-        schedule_(shape_.heads, source.config.environment().horizon()),
-        runs_(EpisodeRuns(schedule_)),
-        horizon_(static_cast<std::size_t>(schedule_.horizon())) {}
+        horizon_(static_cast<std::size_t>(source.config.environment().horizon())) {}
 
   // Fills the samples of one episode; episodes are independent.
   void Fill(std::size_t index) const {
@@ -46,28 +46,31 @@ class Builder {
               batch_.behaviour_log_prob.begin() + std::ptrdiff_t(begin));
     std::copy(episode.head.begin(), episode.head.end(),
               batch_.head.begin() + std::ptrdiff_t(begin));
-    FillAdvantages(episode, input, begin);
-    FillProximal(episode, input, begin);
+    const std::vector<HeadRun> runs =
+        EpisodeRuns({source_.config, TrainingEpisode(source_.config, episode.number)});
+    FillAdvantages(episode, input, runs, begin);
+    FillProximal(episode, input, runs, begin);
   }
 
  private:
   Eigen::MatrixXf Input(const Episode& episode) const {
     Eigen::MatrixXf input(shape_.input(), Eigen::Index(horizon_ + 1));
     const auto clip = static_cast<float>(source_.config.policy().observation_clip());
-    for (std::int32_t t = 0; t <= schedule_.horizon(); ++t) {
+    const auto horizon = static_cast<std::int32_t>(horizon_);
+    for (std::int32_t t = 0; t <= horizon; ++t) {
       WriteInput(shape_, episode.observation.data() + std::size_t(t) * kObservationSize,
                  source_.behaviour.observation_mean.data(),
-                 source_.behaviour.observation_inv_std.data(), clip, t, schedule_.horizon(),
+                 source_.behaviour.observation_inv_std.data(), clip, t, horizon,
                  input.col(t).data());
     }
     return input;
   }
 
   void FillAdvantages(const Episode& episode, const Eigen::MatrixXf& input,
-                      std::size_t begin) const {
+                      const std::vector<HeadRun>& runs, std::size_t begin) const {
     Mlp critic(CriticLayout(shape_));
     const float* parameters = source_.parameters + ActorLayout(shape_).size;
-    const Eigen::MatrixXf& value = critic.Forward(parameters, input, runs_);
+    const Eigen::MatrixXf& value = critic.Forward(parameters, input, ValueRuns(runs, shape_));
     std::vector<float> values(value.data(), value.data() + horizon_);
     std::vector<float> rewards = episode.reward;
     for (float& reward : rewards) reward /= source_.reward_scale;
@@ -85,14 +88,15 @@ class Builder {
 
   // Without overlap the proximal policy is the behaviour policy, and the actors' own
   // log-probabilities serve; with it, the current actor's are computed.
-  void FillProximal(const Episode& episode, const Eigen::MatrixXf& input, std::size_t begin) const {
+  void FillProximal(const Episode& episode, const Eigen::MatrixXf& input,
+                    const std::vector<HeadRun>& runs, std::size_t begin) const {
     float* proximal = batch_.proximal_log_prob.data() + begin;
     if (source_.config.collection().overlap() == 0) {
       std::copy(episode.log_prob.begin(), episode.log_prob.end(), proximal);
       return;
     }
     Mlp actor(ActorLayout(shape_));
-    const Eigen::MatrixXf& mean = actor.Forward(source_.parameters, input, runs_);
+    const Eigen::MatrixXf& mean = actor.Forward(source_.parameters, input, runs);
     for (std::size_t t = 0; t < horizon_; ++t) {
       const float* log_std =
           source_.parameters + actor.layout().log_std + std::size_t(episode.head[t]) * kActionSize;
@@ -106,8 +110,6 @@ class Builder {
   const BatchSource& source_;
   TrainingBatch& batch_;
   NetworkShape shape_;
-  HeadSchedule schedule_;
-  std::vector<HeadRun> runs_;
   std::size_t horizon_;
 };
 

@@ -6,7 +6,6 @@
 
 #include "common/config.pb.h"
 #include "common/episode.h"
-#include "common/head_schedule.h"
 #include "common/messages.h"
 #include "common/network.h"
 #include "learner/worker_team.h"

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/config.h"
+#include "common/head_schedule.h"
 #include "common/policy.h"
 #include "common/snapshot.h"
 #include "learner/minibatch_step.h"
@@ -60,12 +61,13 @@ Episode SyntheticEpisode(const RunConfig& config, Policy& policy, std::uint64_t 
   Episode episode;
   episode.number = number;
   const std::int32_t horizon = config.environment().horizon();
+  const HeadSchedule schedule(config, TrainingEpisode(config, number));
   RandomStream random(RandomPurpose::kEvaluate, 1, number, 0);
   episode.observation.resize(std::size_t(horizon + 1) * kObservationSize);
   for (float& value : episode.observation) value = float(random.Normal());
   for (std::int32_t t = 0; t < horizon; ++t) {
     const Policy::Decision decision =
-        policy.Act(episode.observation.data() + std::size_t(t) * kObservationSize, t,
+        policy.Act(schedule, episode.observation.data() + std::size_t(t) * kObservationSize, t,
                    ActionNoise(config.seed(), number, t));
     episode.action.insert(episode.action.end(), decision.action.begin(), decision.action.end());
     episode.log_prob.push_back(decision.log_prob);

@@ -31,8 +31,9 @@ class EpisodeBank {
  private:
   /// What of an episode depends on its number.
   struct Decisions {
-    std::vector<float> action;    // [T, 4]
-    std::vector<float> log_prob;  // [T], nats
+    std::vector<float> action;        // [T, 4]
+    std::vector<float> log_prob;      // [T], nats
+    std::vector<std::uint16_t> head;  // [T]
   };
 
   [[nodiscard]] const Episode& RecordingOf(std::uint64_t number) const;

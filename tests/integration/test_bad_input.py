@@ -10,6 +10,8 @@ from harness import ACTOR, LEARNER
     [
         (("--task", "pussh"), ("push", "assembly", "bin-picking", "box-close")),
         (("--task", "push", "--method", "multihaed"), ("multihead", "ppo-time")),
+        (("--task", "push", "--set", "policy.schedule=interlaved"), ('"interleaved"', "shuffled")),
+        (("--task", "push", "--set", "policy.critic_heads=one"), ("separate", "shared")),
         (("--task", "push", "--set", "ppo.clipp=0.1"), ('"clip"', "kl_stop")),
         (("--task", "push", "--set", "pp.clip=0.1"), ("ppo",)),
         (("--task", "push", "--set", "ppo.clip"), ("ppo.clip",)),

@@ -96,3 +96,38 @@ def test_an_overlapping_learner_killed_and_resumed_changes_nothing(stage, expect
 def test_one_head_methods_agree_too(stage, method):
     alone = stage.train("one", "--method", method)
     assert stage.train("two", "--method", method, actors=2) == alone
+
+
+@pytest.mark.parametrize(
+    "arm",
+    [
+        ("policy.schedule=interleaved",),
+        ("policy.schedule=shuffled",),
+        ("policy.critic_heads=shared",),
+        ("policy.schedule=shuffled", "policy.critic_heads=shared", "collection.overlap=1"),
+        ("ppo.time_limit_value=bootstrap",),
+        # T = 100, k = 20, as many steps in as many updates
+        (
+            "environment.horizon=100",
+            "policy.heads=20",
+            "collection.episodes_per_update=2",
+            "ppo.time_limit_value=bootstrap",
+        ),
+    ],
+    ids=lambda arm: " ".join(arm),
+)
+def test_two_actors_give_the_weights_of_one_in_every_arm(stage, expected, arm):
+    options = [word for setting in arm for word in ("--set", setting)]
+    alone = stage.train("one", *options)
+    assert alone != expected
+    assert stage.train("two", *options, actors=2) == alone
+
+
+def test_a_shuffled_learner_killed_and_resumed_changes_nothing(stage):
+    shuffled = ("--set", "policy.schedule=shuffled")
+    alone = stage.train("alone", *shuffled)
+    learner, actor = stage.learner("run", *shuffled), stage.actor("run", "--envs", "2")
+    learner.expect_update(3)
+    learner.kill()
+    resumed = stage.learner("run", *shuffled, "--resume")
+    assert stage.finish("run", resumed, [actor]) == alone

@@ -127,8 +127,23 @@ TEST(CheckpointTest, EveryTruncationAndTrailingBytesAreFound) {
 
 TEST(CheckpointTest, AnotherFormatSaysWhich) {
   EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), kCheckpointFormat)), "");
-  EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), 9)),
-            "x.ckpt: checkpoint format 9, this build reads format 1");
+  for (const std::uint32_t format : {0U, 9U}) {
+    EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), format)),
+              "x.ckpt: checkpoint format " + std::to_string(format) +
+                  ", this build reads formats 1 to 2");
+  }
+}
+
+TEST(CheckpointTest, AFileOfFormat1GoesOnAsBlocksWithSeparateCriticHeads) {
+  const Checkpoint whole = SmallCheckpoint();
+  Checkpoint old = whole;  // as format 1 wrote it: without what it did not know
+  old.config.mutable_policy()->clear_schedule();
+  old.config.mutable_policy()->clear_critic_heads();
+  const Checkpoint loaded = DecodeCheckpoint(WithFormat(old, 1), "x.ckpt");
+  EXPECT_EQ(loaded.state, whole.state);
+  EXPECT_NO_THROW(RequireShape(loaded, whole.config, "x.ckpt"));
+  EXPECT_TRUE(CompareForResume(loaded.config, whole.config, false).empty());
+  EXPECT_EQ(Resolve(loaded.config).SerializeAsString(), whole.config.SerializeAsString());
 }
 
 TEST(CheckpointTest, SomethingElseAltogetherIsSaidToBe) {
@@ -161,13 +176,15 @@ TEST(CheckpointTest, AnotherNetworkShapeNamesBoth) {
   EXPECT_NO_THROW(RequireShape(checkpoint, checkpoint.config, "x.ckpt"));
   RunConfig other = checkpoint.config;
   SetField(other, "policy.hidden", "2,4");
+  SetField(other, "policy.critic_heads", "shared");
   try {
     RequireShape(checkpoint, other, "x.ckpt");
     FAIL();
   } catch (const CheckpointError& error) {
-    EXPECT_STREQ(error.what(),
-                 "x.ckpt: another network shape: it holds 39 inputs, hidden 2, 2 heads of 4; asked "
-                 "for is 39 inputs, hidden 2 4, 2 heads of 4");
+    EXPECT_STREQ(
+        error.what(),
+        "x.ckpt: another network shape: it holds 39 inputs, hidden 2, 2 heads of 4, 2 of the "
+        "critic; asked for is 39 inputs, hidden 2 4, 2 heads of 4, 1 of the critic");
   }
 }
 

@@ -116,6 +116,8 @@ TEST(PrintConfigTest, PrintoutReadsBackBitForBit) {
   RunConfig config = Push();
   SetField(config, "ppo.learning_rate", "0.00030000000000000003");
   SetField(config, "seed", "18446744073709551615");
+  SetField(config, "policy.schedule", "shuffled");
+  SetField(config, "policy.critic_heads", "shared");
   config = Resolve(config);
   const RunConfig back = ParseConfigText(PrintConfig(config), "printout").config;
   EXPECT_EQ(back.SerializeAsString(), config.SerializeAsString());
@@ -169,6 +171,8 @@ TEST(SetFieldTest, SetsEveryTypeFromText) {
   SetField(config, "policy.method", "ppo-time");
   SetField(config, "environment.placements", "mt1");
   SetField(config, "environment.goal_visible", "false");
+  SetField(config, "policy.schedule", "interleaved");
+  SetField(config, "policy.critic_heads", "shared");
   SetField(config, "ppo.learning_rate", "3e-4");
   SetField(config, "policy.hidden", "64,64");
   SetField(config, "policy.hidden", "32");
@@ -177,6 +181,8 @@ TEST(SetFieldTest, SetsEveryTypeFromText) {
   EXPECT_EQ(config.policy().method(), PPO_TIME);
   EXPECT_EQ(config.environment().placements(), PLACEMENTS_MT1);
   EXPECT_FALSE(config.environment().goal_visible());
+  EXPECT_EQ(config.policy().schedule(), SCHEDULE_INTERLEAVED);
+  EXPECT_EQ(config.policy().critic_heads(), CRITIC_HEADS_SHARED);
   EXPECT_EQ(config.ppo().learning_rate(), 3e-4);
   ASSERT_EQ(config.policy().hidden_size(), 1);
   EXPECT_EQ(config.policy().hidden(0), 32);
@@ -184,6 +190,8 @@ TEST(SetFieldTest, SetsEveryTypeFromText) {
   EXPECT_EQ(config.runtime().network(), "10.0.0.1,10.0.0.2");
   SetField(config, "policy.method", "MULTIHEAD");
   EXPECT_EQ(config.policy().method(), MULTIHEAD);
+  SetField(config, "policy.critic_heads", "CRITIC_HEADS_SEPARATE");
+  EXPECT_EQ(config.policy().critic_heads(), CRITIC_HEADS_SEPARATE);
 }
 
 TEST(SetFieldTest, UnknownPathsGetTheNearMissAndThatGroupsList) {
@@ -214,6 +222,12 @@ TEST(SetFieldTest, TextOfAnotherTypeIsRefusedByName) {
   EXPECT_EQ(ErrorOf([&] { SetField(config, "policy.method", "pppo"); }),
             "unknown value of policy.method \"pppo\"; did you mean \"ppo\"? Known: multihead, ppo, "
             "ppo-time");
+  EXPECT_EQ(ErrorOf([&] { SetField(config, "policy.schedule", "shufled"); }),
+            "unknown value of policy.schedule \"shufled\"; did you mean \"shuffled\"? Known: "
+            "blocks, interleaved, shuffled");
+  EXPECT_EQ(ErrorOf([&] { SetField(config, "policy.critic_heads", "share"); }),
+            "unknown value of policy.critic_heads \"share\"; did you mean \"shared\"? Known: "
+            "separate, shared");
   for (const std::string text : {"", "64,", ",64", "64;64"}) {
     EXPECT_THROW(SetField(config, "policy.hidden", text), ConfigError) << text;
   }
@@ -320,6 +334,18 @@ TEST(ValidateTest, OneHeadMethodsTakeOneHead) {
             "policy.heads is 2: the method ppo has exactly 1 (multihead takes more)");
   SetField(config, "policy.heads", "1");
   EXPECT_NO_THROW(Validate(Resolve(config)));
+}
+
+TEST(ValidateTest, EveryMethodTakesEveryScheduleAndCritic) {
+  for (const std::string method : {"multihead", "ppo", "ppo-time"}) {
+    for (const std::string& schedule : EnumWords(*Schedule_descriptor())) {
+      RunConfig config = Push();
+      SetField(config, "policy.method", method);
+      SetField(config, "policy.schedule", schedule);
+      SetField(config, "policy.critic_heads", "shared");
+      EXPECT_NO_THROW(Validate(Resolve(config))) << method << " " << schedule;
+    }
+  }
 }
 
 TEST(ValidateTest, TheOfficialBenchmarksSeedHas32Bits) {

@@ -2,17 +2,22 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "actor/metaworld/task_table.h"
 #include "actor/rollout.h"
 #include "common/config.h"
+#include "common/head_schedule.h"
 #include "common/network.h"
+#include "common/random.h"
 
 namespace metronome {
 namespace {
@@ -100,7 +105,7 @@ EvaluatedEpisode PlayWithSuccessesAt(std::set<int> steps) {
   snapshot.observation_mean.resize(kObservationSize);
   snapshot.observation_inv_std.resize(kObservationSize);
   ScriptedEnvironment environment(std::move(steps));
-  return PlayDeterministic(config, snapshot, {}, environment);
+  return PlayDeterministic(config, snapshot, {RandomPurpose::kEvaluate, 1, 0}, {}, environment);
 }
 
 TEST(PlayDeterministicTest, CountsStepsToTheFirstSuccess) {
@@ -117,8 +122,91 @@ TEST(PlayDeterministicTest, CountsStepsToTheFirstSuccess) {
   EXPECT_EQ(never.steps_to_success, 0);
 }
 
+/// Remembers the actions; the observation after t steps is t everywhere.
+class RecordingEnvironment final : public metaworld::Environment {
+ public:
+  metaworld::Observation Reset(const metaworld::RandVec& /*placement*/) override {
+    actions.clear();
+    return {};
+  }
+  metaworld::StepResult Step(const metaworld::Action& action) override {
+    actions.push_back(action);
+    metaworld::StepResult result;
+    result.observation.fill(double(actions.size()));
+    return result;
+  }
+
+  std::vector<metaworld::Action> actions;
+};
+
+/// A policy whose action is its head: all weights are zero, head j's biases are j.
+struct HeadsAsActions {
+  explicit HeadsAsActions(Schedule schedule) {
+    config.set_seed(3);
+    config.mutable_environment()->set_task("push");
+    config.mutable_environment()->set_horizon(40);
+    config.mutable_policy()->set_heads(5);
+    config.mutable_policy()->add_hidden(4);
+    config.mutable_policy()->set_schedule(schedule);
+    const MlpLayout layout = ActorLayout(ShapeOf(config));
+    snapshot.parameters.assign(layout.size, 0.0F);
+    for (std::size_t i = 0; i < 20; ++i) {
+      const std::size_t head = i / 4;
+      snapshot.parameters[layout.head.bias + i] = float(head);
+      snapshot.parameters[layout.log_std + i] = -80;
+    }
+    snapshot.observation_mean.assign(kObservationSize, 0.0F);
+    snapshot.observation_inv_std.assign(kObservationSize, 1.0F);
+  }
+
+  RunConfig config;
+  PolicySnapshot snapshot;
+};
+
+std::vector<std::int32_t> HeadsOf(const RecordingEnvironment& environment) {
+  std::vector<std::int32_t> heads;
+  for (const metaworld::Action& action : environment.actions) {
+    heads.push_back(static_cast<std::int32_t>(std::lround(action[0])));
+  }
+  return heads;
+}
+
+TEST(PlayDeterministicTest, HeadsFollowTheScheduleAndTheEvaluationsOwnOrders) {
+  RecordingEnvironment environment;
+  for (const Schedule schedule : {SCHEDULE_BLOCKS, SCHEDULE_INTERLEAVED, SCHEDULE_SHUFFLED}) {
+    const HeadsAsActions policy(schedule);
+    PlayDeterministic(policy.config, policy.snapshot, {RandomPurpose::kEvaluate, 9, 2}, {},
+                      environment);
+    const auto order = Permutation(5, {RandomPurpose::kHeadOrder, 9, 2, 2 /* kEvaluate */});
+    const std::vector<std::int32_t> heads = HeadsOf(environment);
+    ASSERT_EQ(heads.size(), 40U);
+    for (std::int32_t t = 0; t < 40; ++t) {
+      const std::int32_t block = t / 8;
+      const std::int32_t want = schedule == SCHEDULE_BLOCKS        ? block
+                                : schedule == SCHEDULE_INTERLEAVED ? t % 5
+                                                                   : std::int32_t(order[block]);
+      EXPECT_EQ(heads[t], want) << "t=" << t;
+    }
+  }
+}
+
+TEST(PlayEpisodeTest, TagsAndActionsAreThoseOfTheSchedulesHeads) {
+  RecordingEnvironment environment;
+  const std::atomic<bool> cancel{false};
+  for (const Schedule schedule : {SCHEDULE_BLOCKS, SCHEDULE_INTERLEAVED, SCHEDULE_SHUFFLED}) {
+    const HeadsAsActions policy(schedule);
+    const auto episode = PlayEpisode(policy.config, policy.snapshot, 17, environment, cancel);
+    ASSERT_TRUE(episode);
+    const HeadSchedule heads(policy.config, {RandomPurpose::kTrain, 3, 17});
+    for (std::int32_t t = 0; t < 40; ++t) {
+      EXPECT_EQ(episode->head[t], heads.HeadAt(t));
+      EXPECT_EQ(HeadsOf(environment)[t], heads.HeadAt(t));
+    }
+  }
+}
+
 TEST(RunEvaluateTest, NamesWhatIsWrongWithItsOptions) {
-  const auto fail = [](EvaluateOptions options, int want) {
+  const auto fail = [](const EvaluateOptions& options, int want) {
     std::ostringstream out;
     std::ostringstream err;
     EXPECT_EQ(RunEvaluate(options, out, err), want);

@@ -9,31 +9,15 @@
 #include <vector>
 
 #include "learner/trainer.h"
+#include "tests/unit/double_network.h"
 #include "tests/unit/synthetic_run.h"
 
 namespace metronome {
 namespace {
 
+using testing::Forward;
 using testing::SmallConfig;
 using testing::SyntheticBatch;
-
-// Output of one head in double, from the flat vector alone.
-std::vector<double> Forward(const std::vector<double>& parameters, const MlpLayout& layout,
-                            std::vector<double> x, int head) {
-  const auto apply = [&](const LayerSlice& slice, int first, int rows, bool squash) {
-    std::vector<double> y;
-    for (int r = first; r < first + rows; ++r) {
-      double sum = parameters[slice.bias + r];
-      for (int c = 0; c < slice.inputs; ++c) {
-        sum += parameters[slice.weight + r * slice.inputs + c] * x[c];
-      }
-      y.push_back(squash ? std::tanh(sum) : sum);
-    }
-    return y;
-  };
-  for (const LayerSlice& slice : layout.hidden) x = apply(slice, 0, slice.outputs, true);
-  return apply(layout.head, head * layout.head_outputs, layout.head_outputs, false);
-}
 
 // The whole minibatch's PPO loss in double, written from the formulas of the design: clipped
 // surrogate of advantages normalised in the minibatch, entropy bonus, half squared value error.
@@ -67,7 +51,9 @@ double Loss(const RunConfig& config, const TrainingBatch& batch,
     const double advantage = (batch.advantage[s] - mean) / (deviation + 1e-8);
     const double clip = config.ppo().clip();
     const double clipped = std::fmax(1 - clip, std::fmin(1 + clip, ratio));
-    const double error = Forward(of_critic, critic, x, batch.head[s])[0] - batch.target[s];
+    const bool shared = config.policy().critic_heads() == CRITIC_HEADS_SHARED;
+    const int value_head = shared ? 0 : batch.head[s];
+    const double error = Forward(of_critic, critic, x, value_head)[0] - batch.target[s];
     loss += -weight * std::fmin(ratio * advantage, clipped * advantage) -
             entropy_coefficient * entropy + config.ppo().value_coefficient() * 0.5 * error * error;
   }
@@ -95,10 +81,18 @@ Prepared Prepare(const RunConfig& config, WorkerTeam& team) {
   return prepared;
 }
 
-class GradientTest : public ::testing::TestWithParam<Method> {};
+struct Arm {
+  Method method = MULTIHEAD;
+  Schedule schedule = SCHEDULE_BLOCKS;
+  CriticHeads critic_heads = CRITIC_HEADS_SEPARATE;
+};
+
+class GradientTest : public ::testing::TestWithParam<Arm> {};
 
 TEST_P(GradientTest, AgreesWithFiniteDifferencesOfAnIndependentLoss) {
-  const RunConfig config = SmallConfig(GetParam());
+  RunConfig config = SmallConfig(GetParam().method);
+  config.mutable_policy()->set_schedule(GetParam().schedule);
+  config.mutable_policy()->set_critic_heads(GetParam().critic_heads);
   WorkerTeam team(1);
   Prepared prepared = Prepare(config, team);
   const std::vector<double> at(prepared.state.parameters.begin(), prepared.state.parameters.end());
@@ -127,7 +121,13 @@ TEST_P(GradientTest, AgreesWithFiniteDifferencesOfAnIndependentLoss) {
   EXPECT_NEAR(sums.gradient_norm, std::sqrt(square), 1e-5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, GradientTest, ::testing::Values(MULTIHEAD, PPO, PPO_TIME));
+INSTANTIATE_TEST_SUITE_P(Arms, GradientTest,
+                         ::testing::Values(Arm{MULTIHEAD}, Arm{PPO}, Arm{PPO_TIME},
+                                           Arm{MULTIHEAD, SCHEDULE_BLOCKS, CRITIC_HEADS_SHARED},
+                                           Arm{MULTIHEAD, SCHEDULE_INTERLEAVED,
+                                               CRITIC_HEADS_SEPARATE},
+                                           Arm{MULTIHEAD, SCHEDULE_SHUFFLED, CRITIC_HEADS_SHARED},
+                                           Arm{PPO, SCHEDULE_BLOCKS, CRITIC_HEADS_SHARED}));
 
 TEST(MinibatchStepTest, TheReportedLossesAddUpToTheIndependentLoss) {
   const RunConfig config = SmallConfig();

@@ -302,17 +302,37 @@ TEST(InspectTest, JsonHasTheStableKeys) {
   EXPECT_EQ(json.at("task"), "push");
   EXPECT_EQ(json.at("method"), "multihead");
   EXPECT_EQ(json.at("heads"), 2);
+  EXPECT_EQ(json.at("schedule"), "blocks");
+  EXPECT_EQ(json.at("critic_heads"), "separate");
+  // 39 inputs, 2 units: 80 below the heads; a head of 4 has 12 and 4 log-stds, of the critic 3.
+  EXPECT_EQ(json.at("actor_parameters"), 80 + 2 * (12 + 4));
+  EXPECT_EQ(json.at("critic_parameters"), 80 + 2 * 3);
+  EXPECT_EQ(json.at("parameters"), 80 + 2 * (12 + 4) + 80 + 2 * 3);
   EXPECT_EQ(json.at("engine"), "mujoco-2.2.2");
   EXPECT_NEAR(json.at("head_std").at(0), 1, 1e-6);
   EXPECT_NEAR(json.at("head_std").at(1), 2, 1e-6);
   EXPECT_EQ(out.str().find('\n'), out.str().size() - 1) << "more than one line";
 }
 
+TEST(InspectTest, ASharedCriticHasTheParametersOfOneHead) {
+  Checkpoint checkpoint = TwoHeads();
+  SetField(checkpoint.config, "policy.critic_heads", "shared");
+  checkpoint.state.parameters.resize(ParameterCount(ShapeOf(checkpoint.config)));
+  std::ostringstream out;
+  PrintCheckpointJson(checkpoint, out);
+  const auto json = nlohmann::json::parse(out.str());
+  EXPECT_EQ(json.at("critic_heads"), "shared");
+  EXPECT_EQ(json.at("critic_parameters"), 80 + 3);
+  EXPECT_EQ(json.at("parameters"), 80 + 2 * (12 + 4) + 80 + 3);
+  EXPECT_EQ(json.at("head_std").size(), 2U);
+}
+
 TEST(InspectTest, TextNamesTheSame) {
   std::ostringstream out;
   PrintCheckpoint(TwoHeads(), out);
-  EXPECT_NE(out.str().find("version         12\n"), std::string::npos) << out.str();
-  EXPECT_NE(out.str().find("task            push\n"), std::string::npos);
+  EXPECT_NE(out.str().find("version           12\n"), std::string::npos) << out.str();
+  EXPECT_NE(out.str().find("task              push\n"), std::string::npos);
+  EXPECT_NE(out.str().find("critic_parameters 86\n"), std::string::npos);
 }
 
 }  // namespace

@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "learner/trainer.h"
+#include "tests/unit/double_network.h"
 #include "tests/unit/synthetic_run.h"
 
 namespace metronome {
@@ -16,9 +18,8 @@ using testing::SmallConfig;
 
 // The network in double, from its definition: tanh layers, then the rows of one head.
 std::vector<double> MeanByDefinition(const RunConfig& config, const PolicySnapshot& snapshot,
-                                     const std::vector<float>& observation, int t) {
+                                     const std::vector<float>& observation, int t, int head) {
   const NetworkShape shape = ShapeOf(config);
-  const MlpLayout layout = ActorLayout(shape);
   std::vector<double> x;
   for (int i = 0; i < shape.observation; ++i) {
     const double z =
@@ -27,19 +28,7 @@ std::vector<double> MeanByDefinition(const RunConfig& config, const PolicySnapsh
   }
   const int horizon = config.environment().horizon();
   if (shape.time_feature) x.push_back(2.0 * t / horizon - 1);
-  const auto apply = [&](const LayerSlice& slice, int first, int rows, bool squash) {
-    std::vector<double> y;
-    for (int r = first; r < first + rows; ++r) {
-      double sum = snapshot.parameters[slice.bias + r];
-      for (int c = 0; c < slice.inputs; ++c) {
-        sum += double{snapshot.parameters[slice.weight + r * slice.inputs + c]} * x[c];
-      }
-      y.push_back(squash ? std::tanh(sum) : sum);
-    }
-    return y;
-  };
-  for (const LayerSlice& slice : layout.hidden) x = apply(slice, 0, slice.outputs, true);
-  return apply(layout.head, t * shape.heads / horizon * 4, 4, false);
+  return testing::Forward(snapshot.parameters, ActorLayout(shape), x, head);
 }
 
 PolicySnapshot RandomSnapshot(const RunConfig& config) {
@@ -51,44 +40,69 @@ PolicySnapshot RandomSnapshot(const RunConfig& config) {
   return snapshot;
 }
 
-class PolicyTest : public ::testing::TestWithParam<Method> {};
+/// The head of step t in episode 6 of SmallConfig (T = 40, k = 3 or 1, seed 5), by definition.
+int HeadByDefinition(const RunConfig& config, int t) {
+  const int heads = config.policy().heads();
+  if (config.policy().schedule() == SCHEDULE_INTERLEAVED) return t % heads;
+  const int block = t * heads / 40;
+  if (config.policy().schedule() == SCHEDULE_BLOCKS) return block;
+  return int(
+      Permutation(std::uint32_t(heads), {RandomPurpose::kHeadOrder, 5, 6, 1 /* kTrain */})[block]);
+}
+
+HeadSchedule ScheduleOfSix(const RunConfig& config) { return {config, TrainingEpisode(config, 6)}; }
+
+class PolicyTest : public ::testing::TestWithParam<std::pair<Method, Schedule>> {
+ protected:
+  static RunConfig Config() {
+    RunConfig config = SmallConfig(GetParam().first);
+    config.mutable_policy()->set_schedule(GetParam().second);
+    return config;
+  }
+};
 
 TEST_P(PolicyTest, MeanAgreesWithTheNetworksDefinitionAtEveryStep) {
-  const RunConfig config = SmallConfig(GetParam());
+  const RunConfig config = Config();
+  const HeadSchedule schedule = ScheduleOfSix(config);
   const PolicySnapshot snapshot = RandomSnapshot(config);
   Policy policy(config, snapshot);
   RandomStream random(RandomPurpose::kEvaluate, 4, 5, 6);
   for (int t = 0; t < config.environment().horizon(); ++t) {
     std::vector<float> observation(kObservationSize);
     for (float& value : observation) value = float(3 * random.Normal());
-    const auto mean = policy.Mean(observation.data(), t);
-    const auto want = MeanByDefinition(config, snapshot, observation, t);
+    const auto mean = policy.Mean(schedule, observation.data(), t);
+    const auto want =
+        MeanByDefinition(config, snapshot, observation, t, HeadByDefinition(config, t));
     for (int i = 0; i < 4; ++i) ASSERT_NEAR(mean[i], want[i], 1e-5) << "t=" << t;
   }
 }
 
 TEST_P(PolicyTest, SeveralStepsTogetherGiveTheBitsOfEachAlone) {
-  const RunConfig config = SmallConfig(GetParam());
+  const RunConfig config = Config();
+  const HeadSchedule schedule = ScheduleOfSix(config);
   Policy policy(config, RandomSnapshot(config));
   RandomStream random(RandomPurpose::kEvaluate, 4, 5, 7);
   std::vector<float> observations(Policy::kStates * kObservationSize);
   for (int t = 0; t + Policy::kStates <= config.environment().horizon(); ++t) {
     for (float& value : observations) value = float(3 * random.Normal());
-    const auto means = policy.Means(observations.data(), t);
+    const auto means = policy.Means(schedule, observations.data(), t);
     for (int i = 0; i < Policy::kStates; ++i) {
-      EXPECT_EQ(means[i], policy.Mean(observations.data() + i * kObservationSize, t + i));
+      EXPECT_EQ(means[i], policy.Mean(schedule, observations.data() + i * kObservationSize, t + i));
     }
   }
 }
 
 TEST_P(PolicyTest, TheLogProbabilityIsTheUnclippedActionsDensity) {
-  const RunConfig config = SmallConfig(GetParam());
+  const RunConfig config = Config();
+  const HeadSchedule schedule = ScheduleOfSix(config);
   const PolicySnapshot snapshot = RandomSnapshot(config);
   Policy policy(config, snapshot);
   const std::vector<float> observation(kObservationSize, 0.4F);
   const std::size_t log_std = ActorLayout(ShapeOf(config)).log_std;
   for (const int t : {0, 20, 39}) {
-    const Policy::Decision decision = policy.Act(observation.data(), t, ActionNoise(1, 2, t));
+    const Policy::Decision decision =
+        policy.Act(schedule, observation.data(), t, ActionNoise(1, 2, t));
+    EXPECT_EQ(decision.head, HeadByDefinition(config, t));
     double want = 0;
     for (int i = 0; i < 4; ++i) {
       const double s = snapshot.parameters[log_std + decision.head * 4 + i];
@@ -99,7 +113,13 @@ TEST_P(PolicyTest, TheLogProbabilityIsTheUnclippedActionsDensity) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, PolicyTest, ::testing::Values(MULTIHEAD, PPO, PPO_TIME));
+INSTANTIATE_TEST_SUITE_P(MethodsAndSchedules, PolicyTest,
+                         ::testing::Values(std::pair{MULTIHEAD, SCHEDULE_BLOCKS},
+                                           std::pair{MULTIHEAD, SCHEDULE_INTERLEAVED},
+                                           std::pair{MULTIHEAD, SCHEDULE_SHUFFLED},
+                                           std::pair{PPO, SCHEDULE_BLOCKS},
+                                           std::pair{PPO_TIME, SCHEDULE_BLOCKS},
+                                           std::pair{PPO_TIME, SCHEDULE_SHUFFLED}));
 
 TEST(PolicyTest, ActingTwiceOrAfterOtherStatesGivesEqualBits) {
   const RunConfig config = SmallConfig();
@@ -108,9 +128,10 @@ TEST(PolicyTest, ActingTwiceOrAfterOtherStatesGivesEqualBits) {
   Policy used(config, snapshot);
   const std::vector<float> other(kObservationSize, -1.0F);
   const std::vector<float> observation(kObservationSize, 0.7F);
-  for (int t = 0; t < 40; ++t) (void)used.Act(other.data(), t, ActionNoise(1, 1, t));
-  const auto a = fresh.Act(observation.data(), 17, ActionNoise(3, 4, 17));
-  const auto b = used.Act(observation.data(), 17, ActionNoise(3, 4, 17));
+  const HeadSchedule schedule = ScheduleOfSix(config);
+  for (int t = 0; t < 40; ++t) (void)used.Act(schedule, other.data(), t, ActionNoise(1, 1, t));
+  const auto a = fresh.Act(schedule, observation.data(), 17, ActionNoise(3, 4, 17));
+  const auto b = used.Act(schedule, observation.data(), 17, ActionNoise(3, 4, 17));
   EXPECT_EQ(a.action, b.action);
   EXPECT_EQ(a.log_prob, b.log_prob);
 }
@@ -119,6 +140,15 @@ TEST(PolicyTest, RefusesASnapshotOfAnotherShape) {
   PolicySnapshot snapshot = RandomSnapshot(SmallConfig());
   snapshot.parameters.pop_back();
   EXPECT_THROW(Policy(SmallConfig(), snapshot), std::invalid_argument);
+}
+
+TEST(PolicyTest, RefusesAScheduleOfAnotherNumberOfHeads) {
+  Policy policy(SmallConfig(), RandomSnapshot(SmallConfig()));
+  const HeadSchedule four = ScheduleOfSix(SmallConfig(MULTIHEAD, 4));
+  const std::vector<float> observation(Policy::kStates * kObservationSize, 0.4F);
+  EXPECT_THROW((void)policy.Mean(four, observation.data(), 0), std::invalid_argument);
+  EXPECT_THROW((void)policy.Means(four, observation.data(), 0), std::invalid_argument);
+  EXPECT_THROW((void)policy.ActAround(four, {}, 0, ActionNoise(1, 2, 0)), std::invalid_argument);
 }
 
 }  // namespace

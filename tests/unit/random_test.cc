@@ -19,8 +19,9 @@ TEST(RandomStreamTest, IsAPureFunctionOfItsKeyAndCounter) {
 
 TEST(RandomStreamTest, EveryPartOfTheKeyChangesTheStream) {
   std::set<std::uint64_t> first;
-  for (const auto purpose : {RandomPurpose::kTrain, RandomPurpose::kEvaluate,
-                             RandomPurpose::kInitialise, RandomPurpose::kShuffle}) {
+  for (const auto purpose :
+       {RandomPurpose::kTrain, RandomPurpose::kEvaluate, RandomPurpose::kInitialise,
+        RandomPurpose::kShuffle, RandomPurpose::kHeadOrder}) {
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
       for (std::uint64_t number = 0; number < 4; ++number) {
         for (const std::uint64_t t : {std::uint64_t{0}, std::uint64_t{1}, kPlacementDraw}) {
@@ -29,7 +30,7 @@ TEST(RandomStreamTest, EveryPartOfTheKeyChangesTheStream) {
       }
     }
   }
-  EXPECT_EQ(first.size(), 4U * 4U * 4U * 3U);
+  EXPECT_EQ(first.size(), 5U * 4U * 4U * 3U);
 }
 
 // Random123's own known-answer vector of philox4x64-10 for an all-zero key and counter would need

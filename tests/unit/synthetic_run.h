@@ -5,6 +5,7 @@
 
 #include "common/config.pb.h"
 #include "common/episode.h"
+#include "common/head_schedule.h"
 #include "common/messages.h"
 #include "common/policy.h"
 #include "common/random.h"
@@ -34,6 +35,7 @@ inline RunConfig SmallConfig(Method method = MULTIHEAD, int heads = 3, int overl
 inline Episode SyntheticEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
                                 std::uint64_t number) {
   Policy policy(config, snapshot);
+  const HeadSchedule schedule(config, TrainingEpisode(config, number));
   Episode episode;
   episode.number = number;
   episode.weights_version = snapshot.version;
@@ -47,7 +49,8 @@ inline Episode SyntheticEpisode(const RunConfig& config, const PolicySnapshot& s
     }
     if (t == horizon) break;
     const float* row = episode.observation.data() + std::size_t(t) * kObservationSize;
-    const Policy::Decision decision = policy.Act(row, t, ActionNoise(config.seed(), number, t));
+    const Policy::Decision decision =
+        policy.Act(schedule, row, t, ActionNoise(config.seed(), number, t));
     float cost = 0;
     for (const float action : decision.action) {
       episode.action.push_back(action);

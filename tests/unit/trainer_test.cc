@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <tuple>
 #include <vector>
 
 #include "learner/episode_check.h"
@@ -28,26 +30,39 @@ TrainState TrainFor(const RunConfig& config, int updates, int threads) {
   return trainer.state();
 }
 
-class TrainerBitsTest : public ::testing::TestWithParam<int> {};
+class TrainerBitsTest : public ::testing::TestWithParam<std::tuple<int, Schedule, CriticHeads>> {
+ protected:
+  static int Overlap() { return std::get<0>(GetParam()); }
+  static RunConfig Config() {
+    RunConfig config = SmallConfig(MULTIHEAD, 3, Overlap());
+    config.mutable_policy()->set_schedule(std::get<1>(GetParam()));
+    config.mutable_policy()->set_critic_heads(std::get<2>(GetParam()));
+    return config;
+  }
+};
 
 TEST_P(TrainerBitsTest, AnyNumberOfThreadsGivesTheSameState) {
-  const RunConfig config = SmallConfig(MULTIHEAD, 3, GetParam());
+  const RunConfig config = Config();
   const TrainState one = TrainFor(config, 3, 1);
   EXPECT_EQ(TrainFor(config, 3, 2), one);
   EXPECT_EQ(TrainFor(config, 3, 5), one);
 }
 
 TEST_P(TrainerBitsTest, ARestoredStateGoesOnAsIfNothingHadHappened) {
-  const RunConfig config = SmallConfig(MULTIHEAD, 3, GetParam());
+  const RunConfig config = Config();
   const TrainState half = TrainFor(config, 2, 2);
   Trainer resumed(config, half, 2);
   const PolicySnapshot snapshot =
-      GetParam() > 0 ? PreviousSnapshotOf(half, config) : SnapshotOf(half, config);
+      Overlap() > 0 ? PreviousSnapshotOf(half, config) : SnapshotOf(half, config);
   resumed.Update(SyntheticBatch(config, snapshot, 2));
   EXPECT_EQ(resumed.state(), TrainFor(config, 3, 2));
 }
 
-INSTANTIATE_TEST_SUITE_P(Overlap, TrainerBitsTest, ::testing::Values(0, 1));
+INSTANTIATE_TEST_SUITE_P(
+    OverlapAndArms, TrainerBitsTest,
+    ::testing::Combine(::testing::Values(0, 1),
+                       ::testing::Values(SCHEDULE_BLOCKS, SCHEDULE_INTERLEAVED, SCHEDULE_SHUFFLED),
+                       ::testing::Values(CRITIC_HEADS_SEPARATE, CRITIC_HEADS_SHARED)));
 
 TEST(TrainerTest, LearnsWhatTheRewardAsksFor) {
   RunConfig config = SmallConfig();
@@ -152,6 +167,19 @@ TEST(InitialStateTest, WeightsAreOrthogonalWithTheirGain) {
   }
 }
 
+TEST(InitialStateTest, ASharedCriticBeginsAsTheFirstHeadOfSeparateOnes) {
+  RunConfig config = SmallConfig();
+  const std::vector<float> separate = Trainer::InitialState(config).parameters;
+  config.mutable_policy()->set_critic_heads(CRITIC_HEADS_SHARED);
+  const std::vector<float> shared = Trainer::InitialState(config).parameters;
+  ASSERT_EQ(separate.size(), shared.size() + 2 * (9 + 1));  // two heads of 9 weights and a bias
+  // Of the separate critic: hidden layers, 3 rows of weights, 3 biases (zeros, as all are).
+  const std::size_t weights = shared.size() - 1;
+  EXPECT_TRUE(
+      std::equal(shared.begin(), shared.begin() + std::ptrdiff_t(weights), separate.begin()));
+  EXPECT_EQ(shared.back(), 0);
+}
+
 TEST(EpisodeCheckTest, AcceptsTheActorsEpisodeAndNamesWhatIsWrongWithOthers) {
   const RunConfig config = SmallConfig();
   const TrainState state = Trainer::InitialState(config);
@@ -183,6 +211,53 @@ TEST(EpisodeCheckTest, AcceptsTheActorsEpisodeAndNamesWhatIsWrongWithOthers) {
                 "step 9");
   expect_reason(reason_of([](Episode& e) { e.action[50] = std::nextafter(e.action[50], 9.0F); }),
                 "step 12");
+}
+
+// What an actor under another schedule would send is wrong at the first step of another head; with
+// only its tags put right, in what that head does.
+TEST(EpisodeCheckTest, RefusesTheHeadsOfAnotherSchedule) {
+  const Schedule schedules[] = {SCHEDULE_BLOCKS, SCHEDULE_INTERLEAVED, SCHEDULE_SHUFFLED};
+  for (const Schedule played : schedules) {
+    for (const Schedule asked : schedules) {
+      RunConfig config = SmallConfig();
+      PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+      config.mutable_policy()->set_schedule(played);
+      Episode episode = testing::SyntheticEpisode(config, snapshot, 6);
+      config.mutable_policy()->set_schedule(asked);
+      Policy policy(config, snapshot);
+      const auto reason = CheckEpisode(episode, policy, config).value_or("accepted");
+      if (played == asked) {
+        EXPECT_EQ(reason, "accepted");
+        continue;
+      }
+      EXPECT_NE(reason.find("the schedule gives"), std::string::npos) << reason;
+      const HeadSchedule schedule(config, TrainingEpisode(config, 6));
+      for (int t = 0; t < 40; ++t) episode.head[t] = std::uint16_t(schedule.HeadAt(t));
+      const auto disguised = CheckEpisode(episode, policy, config).value_or("accepted");
+      EXPECT_NE(disguised.find("log-probability"), std::string::npos) << disguised;
+    }
+  }
+}
+
+TEST(EpisodeCheckTest, RefusesTheHeadOrderOfAnotherEpisodeOrSeed) {
+  RunConfig config = SmallConfig();
+  config.mutable_policy()->set_schedule(SCHEDULE_SHUFFLED);
+  const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+  Policy policy(config, snapshot);
+  // One policy judges episodes of any order, in turn.
+  int refused = 0;
+  for (std::uint64_t number = 0; number < 20; ++number) {
+    Episode episode = testing::SyntheticEpisode(config, snapshot, number);
+    EXPECT_EQ(CheckEpisode(episode, policy, config), std::nullopt);
+    ++episode.number;
+    const auto reason = CheckEpisode(episode, policy, config).value_or("accepted");
+    EXPECT_NE(reason, "accepted");
+    refused += reason.find("the schedule gives") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GE(refused, 12) << "of 20 neighbours, a sixth has the same order of three heads";
+  Episode episode = testing::SyntheticEpisode(config, snapshot, 0);
+  config.set_seed(8);
+  EXPECT_NE(CheckEpisode(episode, policy, config), std::nullopt);
 }
 
 TEST(EpisodeCheckTest, TheLastStepsOfAHorizonThatIsNoMultipleOfFourAreCheckedToo) {
