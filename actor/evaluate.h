@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
 
 #include "actor/metaworld/environment.h"
+#include "common/checkpoint.h"
 #include "common/config.pb.h"
 #include "common/messages.h"
 
@@ -38,6 +40,14 @@ struct Evaluation {
   double mean_return = 0;
 };
 
+/// @throws std::invalid_argument naming the option that cannot be as it is.
+void RequireValid(const EvaluateOptions& options);
+
+/// The checkpoint's configuration with another task, if `task` is not empty. What the policy was
+/// not trained for, task or engine, is a warning on `err`.
+RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const std::string& task,
+                           std::ostream& err);
+
 /// Wilson score interval of `successes` out of `trials`, at 1.96 standard deviations
 /// (Wilson 1927). @throws std::invalid_argument if trials < 1.
 void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, double& high);
@@ -47,10 +57,15 @@ void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, do
 metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const std::string& task,
                                        std::uint64_t index);
 
+/// Called after the reset, with t = 0 and nothing but its observation, and after each step, with
+/// the number t of steps taken so far and what the last of them returned.
+using StepWatcher = std::function<void(std::int32_t t, const metaworld::StepResult& step)>;
+
 /// Plays one episode with the mean action at every step.
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
                                    const metaworld::RandVec& placement,
-                                   metaworld::Environment& environment);
+                                   metaworld::Environment& environment,
+                                   const StepWatcher& watch = {});
 
 /// `metronome-actor evaluate`: success rate with its confidence interval and mean return of a
 /// checkpoint's policy. Another engine than the checkpoint's is a warning on `err`.
