@@ -168,9 +168,14 @@ void AddRender(CLI::App& app, Typed& typed) {
   render->add_option("--size", options.size, "WIDTHxHEIGHT in pixels [1280x960; .mp4 640x480]");
   render
       ->add_option("--camera", options.camera,
-                   "free: a view that suits the task; or a camera of the scene")
+                   "free: a view that suits the task; AZIMUTH,ELEVATION,DISTANCE[,X,Y,Z]: another "
+                   "one (degrees, metres; of the point X,Y,Z); or a camera of the scene")
       ->capture_default_str();
   render->add_flag("--path,!--no-path", options.path, "Draw the hand's path [yes]");
+  render
+      ->add_option("--arm-opacity", options.arm_opacity,
+                   "0 to 1: shows what the arm hides [.png with path 0.4, else 1]")
+      ->check(CLI::Range(0.0, 1.0));
   render->add_option("--step", options.step,
                      ".png: draw the arm as after so many steps [the last]");
   render->add_option("--every", options.every, ".mp4: a frame every so many steps, 80 a second")

@@ -40,7 +40,7 @@ EpisodePictures::EpisodePictures(const mjModel& model, const mjvCamera& camera,
                                  const EpisodePath& path, Options options)
     : path_(path),
       options_(std::move(options)),
-      renderer_(model, camera, options_.size, 2 * path.points.size()),
+      renderer_(model, camera, options_.size, 2 * path.points.size(), options_.arm_opacity),
       canvas_(renderer_.context()) {}
 
 Image EpisodePictures::Whole(std::int32_t pose_at) {

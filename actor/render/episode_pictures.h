@@ -19,6 +19,7 @@ class EpisodePictures {
     std::string task;
     ImageSize size;
     bool show_path = true;
+    double arm_opacity = 1;
   };
 
   /// @param model  as the episode's placement left it. @param path  must outlive this.

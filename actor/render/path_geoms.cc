@@ -10,8 +10,10 @@ namespace {
 
 constexpr mjtNum kTubeRadius = 0.005;  // metres
 constexpr mjtNum kBallRadius = 0.011;  // metres
-constexpr mjtNum kShortest = 0.002;    // metres; shorter stretches of one head become one
-constexpr float kEmission = 0.45F;     // so that a colour is itself in shadow too
+constexpr mjtNum kShortest = 0.006;    // metres; shorter stretches of one head become one
+constexpr float kEmission = 0.1F;      // so that a colour is itself in shadow too
+// The lights of the scenes add up to more than white: with this, a lit tube has its head's colour.
+constexpr float kBrightness = 0.8F / 255;
 
 using Point = std::array<double, 3>;
 
@@ -22,7 +24,8 @@ double Distance(const Point& a, const Point& b) {
 mjvGeom Make(mjtGeom type, const std::array<mjtNum, 3>& size, const Point& place,
              const std::array<mjtNum, 9>& axes, const Color& color) {
   mjvGeom geom;
-  const std::array<float, 4> rgba = {color[0] / 255.0F, color[1] / 255.0F, color[2] / 255.0F, 1};
+  const std::array<float, 4> rgba = {kBrightness * color[0], kBrightness * color[1],
+                                     kBrightness * color[2], 1};
   mjv_initGeom(&geom, type, size.data(), place.data(), axes.data(), rgba.data());
   geom.category = mjCAT_DECOR;  // casts no shadow
   geom.emission = kEmission;

@@ -49,6 +49,12 @@ ImageSize SizeOf(const RenderOptions& options, Medium medium) {
   return size;
 }
 
+/// In a picture the arm stands still, often before the path.
+double ArmOpacity(const RenderOptions& options, Medium medium) {
+  const bool fade = medium == Medium::kPicture && options.path;
+  return options.arm_opacity.value_or(fade ? 0.4 : 1);
+}
+
 /// Before an episode is played in vain.
 void RequireWritable(const std::string& path) {
   if (path.empty()) return;
@@ -119,7 +125,8 @@ void Render(const RenderOptions& options, std::ostream& out, std::ostream& err) 
                     EvaluationPlacement(evaluate, task, options.episode), *environment);
 
   if (medium != Medium::kNone) {
-    EpisodePictures pictures(environment->model(), camera, path, {task, size, options.path});
+    EpisodePictures pictures(environment->model(), camera, path,
+                             {task, size, options.path, ArmOpacity(options, medium)});
     if (medium == Medium::kPicture) WritePng(options.out, pictures.Whole(pose_at));
     if (medium == Medium::kVideo) WriteVideo(options, size, horizon, pictures);
   }

@@ -20,11 +20,12 @@ struct RenderOptions {
   std::string csv;                    // file for the path's numbers; empty: none
   std::string size;                   // "WIDTHxHEIGHT"; empty: 1280x960, videos 640x480
   std::string camera = "free";
-  bool path = true;                  // draw the hand's path
-  std::optional<std::int32_t> step;  // .png: the pose drawn, in [0, T]; none: the last
-  std::int32_t every = 2;            // .mp4: a frame every so many steps
-  double speed = 1;                  // .mp4: times real time
-  std::string assets;                // folder of the scene files; empty: the default
+  bool path = true;                   // draw the hand's path
+  std::optional<double> arm_opacity;  // 0 to 1; none: 0.4, videos 1
+  std::optional<std::int32_t> step;   // .png: the pose drawn, in [0, T]; none: the last
+  std::int32_t every = 2;             // .mp4: a frame every so many steps
+  double speed = 1;                   // .mp4: times real time
+  std::string assets;                 // folder of the scene files; empty: the default
 };
 
 /// "WIDTHxHEIGHT" in pixels, each from 160 to 4096.

@@ -7,8 +7,10 @@
 namespace metronome {
 namespace {
 
-constexpr int kShadowMap = 2048;  // pixels a side; the scenes' own 4096 take four times as long
+constexpr int kShadowMap = 2048;  // pixels a side; half a frame's time goes into it even so
 constexpr int kSamples = 4;       // a pixel, against jagged edges
+constexpr int kSlices = 16;       // of a round thing; a path has hundreds of them
+constexpr int kStacks = 8;
 
 /// MuJoCo's fonts come in steps of 50 %; 100 % suits images 480 pixels high.
 int FontScale(const ImageSize& size) {
@@ -24,22 +26,36 @@ void HideSites(mjModel& model) {
   }
 }
 
-metaworld::ModelPtr ModelToDraw(const mjModel& model, const ImageSize& size) {
+/// What hangs on the robot's base and moves.
+void FadeArm(mjModel& model, double opacity) {
+  const int hand = mj_name2id(&model, mjOBJ_BODY, "hand");
+  for (int geom = 0; hand >= 0 && geom < model.ngeom; ++geom) {
+    const int body = model.geom_bodyid[geom];
+    const bool of_arm =
+        model.body_rootid[body] == model.body_rootid[hand] && model.body_weldid[body] != 0;
+    if (of_arm) model.geom_rgba[4 * geom + 3] *= static_cast<float>(opacity);
+  }
+}
+
+metaworld::ModelPtr ModelToDraw(const mjModel& model, const ImageSize& size, double arm_opacity) {
   metaworld::ModelPtr copy(mj_copyModel(nullptr, &model));
   copy->vis.global.offwidth = size.width;
   copy->vis.global.offheight = size.height;
   copy->vis.quality.shadowsize = kShadowMap;
   copy->vis.quality.offsamples = kSamples;
+  copy->vis.quality.numslices = kSlices;
+  copy->vis.quality.numstacks = kStacks;
   HideSites(*copy);
+  FadeArm(*copy, arm_opacity);
   return copy;
 }
 
 }  // namespace
 
 SceneRenderer::SceneRenderer(const mjModel& model, const mjvCamera& camera, ImageSize size,
-                             std::size_t extra)
+                             std::size_t extra, double arm_opacity)
     : size_(size),
-      model_(ModelToDraw(model, size)),
+      model_(ModelToDraw(model, size, arm_opacity)),
       data_(mj_makeData(model_.get())),
       camera_(camera) {
   mjv_defaultOption(&option_);

@@ -18,10 +18,12 @@ class SceneRenderer {
  public:
   /// @param model   as the placement left it. @param camera  see FindCamera.
   /// @param size    of everything drawn, pixels. @param extra  most geoms that Draw is ever given.
+  /// @param arm_opacity  of what moves with the robot, 0 to 1.
   /// @throws GraphicsError without OpenGL, metaworld::EngineError where MuJoCo cannot use it (a
   /// size
   ///         that is too large, say).
-  SceneRenderer(const mjModel& model, const mjvCamera& camera, ImageSize size, std::size_t extra);
+  SceneRenderer(const mjModel& model, const mjvCamera& camera, ImageSize size, std::size_t extra,
+                double arm_opacity);
   ~SceneRenderer();
   SceneRenderer(const SceneRenderer&) = delete;
   SceneRenderer& operator=(const SceneRenderer&) = delete;
