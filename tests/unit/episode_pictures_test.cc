@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <optional>
+#include <memory>
+#include <stdexcept>
+#include <string>
 
 #include "actor/metaworld/sawyer.h"
 #include "actor/render/camera.h"

@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "actor/render/episode_path.h"
 #include "actor/render/head_colors.h"
@@ -30,14 +34,16 @@ EpisodePath TwoHeads() {
   return path;
 }
 
-// matplotlib 3.8: [colormaps["tab10"](j, bytes=True) for j in (0, 1, 7, 9)], and
-// [colormaps["rainbow"](j / 19, bytes=True) for j in (0, 5, 10, 19)].
+// matplotlib 3.11.2: colormaps["tab10"](j, bytes=True) for j in 0, 1, 7, 9, and
+// colormaps["rainbow"](j / 19, bytes=True) for j in 0, 5, 10, 19.
 TEST(HeadColorTest, IsWhatMatplotlibGives) {
   EXPECT_EQ(HeadColor(0, 10), (Color{31, 119, 180}));
   EXPECT_EQ(HeadColor(1, 3), (Color{255, 127, 14}));
   EXPECT_EQ(HeadColor(7, 10), (Color{127, 127, 127}));
   EXPECT_EQ(HeadColor(9, 10), (Color{23, 190, 207}));
   EXPECT_EQ(HeadColor(0, 20), (Color{127, 0, 255}));
+  EXPECT_EQ(HeadColor(5, 20), (Color{6, 187, 233}));
+  EXPECT_EQ(HeadColor(10, 20), (Color{140, 254, 172}));
   EXPECT_EQ(HeadColor(19, 20), (Color{255, 0, 0}));
   EXPECT_THROW(HeadColor(3, 3), std::out_of_range);
   EXPECT_THROW(HeadColor(-1, 3), std::out_of_range);
