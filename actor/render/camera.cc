@@ -28,7 +28,7 @@ const View& ViewOf(const std::string& task) {
       {"assembly", {{0.02, 0.7, 0.14}, 0.75, 140, -20}},
       {"bin-picking", {{0, 0.68, 0.1}, 0.85, 115, -30}},
       {"box-close", {{0, 0.65, 0.12}, 0.85, 150, -25}},
-      {"push", {{0, 0.72, 0.1}, 0.8, 140, -25}},
+      {"push", {{0.03, 0.72, 0.14}, 0.75, 140, -20}},
   };
   const auto found = views.find(task);
   return found == views.end() ? any : found->second;

@@ -8,10 +8,12 @@
 namespace metronome {
 namespace {
 
-constexpr mjtNum kTubeRadius = 0.005;  // metres
-constexpr mjtNum kBallRadius = 0.011;  // metres
-constexpr mjtNum kShortest = 0.006;    // metres; shorter stretches of one head become one
-constexpr float kEmission = 0.1F;      // so that a colour is itself in shadow too
+constexpr mjtNum kTubeRadius = 0.005;       // metres
+constexpr mjtNum kBallRadius = 0.011;       // metres
+constexpr mjtNum kSmallBallRadius = 0.007;  // where there are many
+constexpr int kManyHeads = 10;
+constexpr mjtNum kShortest = 0.006;  // metres; shorter stretches of one head become one
+constexpr float kEmission = 0.1F;    // so that a colour is itself in shadow too
 // The lights of the scenes add up to more than white: with this, a lit tube has its head's colour.
 constexpr float kBrightness = 0.8F / 255;
 
@@ -33,8 +35,9 @@ mjvGeom Make(mjtGeom type, const std::array<mjtNum, 3>& size, const Point& place
   return geom;
 }
 
-mjvGeom Ball(const Point& place, const Color& color) {
-  return Make(mjGEOM_SPHERE, {kBallRadius, 0, 0}, place, {1, 0, 0, 0, 1, 0, 0, 0, 1}, color);
+mjvGeom Ball(const Point& place, const Color& color, std::int32_t heads) {
+  const mjtNum radius = heads > kManyHeads ? kSmallBallRadius : kBallRadius;
+  return Make(mjGEOM_SPHERE, {radius, 0, 0}, place, {1, 0, 0, 0, 1, 0, 0, 0, 1}, color);
 }
 
 // mjv_makeConnector of 2.2.2 and mjv_connector of 3.3.0 have other names and arguments.
@@ -61,7 +64,7 @@ std::vector<mjvGeom> PathGeoms(const EpisodePath& path, std::int32_t steps) {
     const PathPoint& point = path.points.at(std::size_t(t));
     const Color color = HeadColor(point.head, path.heads);
     if (t == 1 || point.head != path.points[std::size_t(t) - 1].head) {
-      geoms.push_back(Ball(path.points[std::size_t(t) - 1].hand, color));
+      geoms.push_back(Ball(path.points[std::size_t(t) - 1].hand, color, path.heads));
     }
     const bool last = t == steps || path.points[std::size_t(t) + 1].head != point.head;
     if (!last && Distance(from, point.hand) < kShortest) continue;

@@ -21,15 +21,28 @@ struct Scale {
   }
 };
 
-void DrawRun(const Canvas& canvas, const Scale& scale, const HeadRun& run, std::int32_t heads) {
-  const int left = scale.X(run.begin);
-  const mjrRect stretch = {left, scale.bar.bottom, scale.X(run.end) - left, scale.bar.height};
-  const Color color = HeadColor(run.head, heads);
-  canvas.Fill(stretch, color);
-  const std::string number = std::to_string(run.head);
-  if (canvas.Width(number) + 4 > stretch.width) return;
-  canvas.CentredText(left + stretch.width / 2, stretch.bottom + stretch.height / 2, number,
-                     TextColorOn(color));
+void DrawColors(const Canvas& canvas, const Scale& scale, const std::vector<HeadRun>& runs,
+                std::int32_t heads) {
+  for (const HeadRun& run : runs) {
+    const int left = scale.X(run.begin);
+    canvas.Fill({left, scale.bar.bottom, scale.X(run.end) - left, scale.bar.height},
+                HeadColor(run.head, heads));
+  }
+}
+
+/// Each head's number in its stretch, as many as there is room for.
+void DrawNumbers(const Canvas& canvas, const Scale& scale, const std::vector<HeadRun>& runs,
+                 std::int32_t heads) {
+  int free_from = scale.bar.left;
+  for (const HeadRun& run : runs) {
+    const std::string number = std::to_string(run.head);
+    const int x = (scale.X(run.begin) + scale.X(run.end)) / 2;
+    const int half = canvas.Width(number) / 2;
+    if (x - half < free_from || x + half > scale.X(scale.steps)) continue;
+    canvas.CentredText(x, scale.bar.bottom + scale.bar.height / 2, number,
+                       TextColorOn(HeadColor(run.head, heads)));
+    free_from = x + half + canvas.LineHeight() / 2;
+  }
 }
 
 /// The steps at which heads change, as many as there is room for; the last one always.
@@ -80,13 +93,14 @@ void DrawTimeline(const Canvas& canvas, const EpisodePath& path, const mjrRect& 
                         area.width - captions - 3 * line, line * 5 / 4},
                        static_cast<std::int32_t>(path.points.size()) - 1};
   const std::vector<HeadRun> runs = HeadRuns(path);
-  const int numbers = scale.bar.bottom + scale.bar.height / 2;
-  const int steps = area.bottom + line;
+  const int head_line = scale.bar.bottom + scale.bar.height / 2;
+  const int step_line = area.bottom + line;
   canvas.Fill(area, kPaper);
-  canvas.Text(area.left + line / 2, numbers, "head", kInk);
-  canvas.Text(area.left + line / 2, steps, "step", kInk);
-  for (const HeadRun& run : runs) DrawRun(canvas, scale, run, path.heads);
-  DrawSteps(canvas, scale, runs, steps);
+  canvas.Text(area.left + line / 2, head_line, "head", kInk);
+  canvas.Text(area.left + line / 2, step_line, "step", kInk);
+  DrawColors(canvas, scale, runs, path.heads);
+  DrawNumbers(canvas, scale, runs, path.heads);
+  DrawSteps(canvas, scale, runs, step_line);
   if (now) DrawMark(canvas, scale, *now);
 }
 
