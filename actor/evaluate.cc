@@ -15,7 +15,6 @@
 #include "actor/metaworld/placement.h"
 #include "actor/metaworld/task_table.h"
 #include "common/build_info.h"
-#include "common/checkpoint.h"
 #include "common/policy.h"
 #include "common/random.h"
 #include "common/snapshot.h"
@@ -125,6 +124,8 @@ void PrintText(const Evaluation& evaluation, const Checkpoint& checkpoint, const
   }
 }
 
+}  // namespace
+
 void RequireValid(const EvaluateOptions& options) {
   if (options.episodes < 1) {
     throw std::invalid_argument("--episodes must be at least 1, not " +
@@ -139,7 +140,21 @@ void RequireValid(const EvaluateOptions& options) {
   }
 }
 
-}  // namespace
+RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const std::string& task,
+                           std::ostream& err) {
+  RunConfig config = checkpoint.config;
+  if (!task.empty()) config.mutable_environment()->set_task(metaworld::FindTask(task).name);
+  const std::string& played = config.environment().task();
+  const std::string& trained = checkpoint.config.environment().task();
+  if (played != trained) {
+    err << "warning: a policy trained on " << trained << " is evaluated on " << played << '\n';
+  }
+  if (checkpoint.engine != EngineName()) {
+    err << "warning: a policy trained on " << checkpoint.engine << " is evaluated on "
+        << EngineName() << '\n';
+  }
+  return config;
+}
 
 void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, double& high) {
   if (trials < 1) throw std::invalid_argument("an interval needs at least one trial");
@@ -166,14 +181,18 @@ metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const std
 
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
                                    const EpisodeKey& episode, const metaworld::RandVec& placement,
-                                   metaworld::Environment& environment) {
+                                   metaworld::Environment& environment, const StepWatcher& watch) {
   Policy policy(config, snapshot);
   const HeadSchedule schedule(config, episode);
   EvaluatedEpisode result;
-  Float39 observation = AsPolicySees(environment.Reset(placement));
+  metaworld::StepResult start;
+  start.observation = environment.Reset(placement);
+  if (watch) watch(0, start);
+  Float39 observation = AsPolicySees(start.observation);
   for (std::int32_t t = 0; t < config.environment().horizon(); ++t) {
     const metaworld::StepResult step =
         environment.Step(policy.Mean(schedule, observation.data(), t));
+    if (watch) watch(t + 1, step);
     observation = AsPolicySees(step.observation);
     result.episode_return += step.reward;
     result.success_end = step.info.success;
@@ -187,19 +206,8 @@ int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream&
   try {
     RequireValid(options);
     const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
-    RunConfig config = checkpoint.config;
-    if (!options.task.empty()) {
-      config.mutable_environment()->set_task(metaworld::FindTask(options.task).name);
-    }
+    const RunConfig config = ConfigToEvaluate(checkpoint, options.task, err);
     const std::string& task = config.environment().task();
-    if (task != checkpoint.config.environment().task()) {
-      err << "warning: a policy trained on " << checkpoint.config.environment().task()
-          << " is evaluated on " << task << '\n';
-    }
-    if (checkpoint.engine != EngineName()) {
-      err << "warning: a policy trained on " << checkpoint.engine << " is evaluated on "
-          << EngineName() << '\n';
-    }
     const Evaluation evaluation = PlayAll(options, config, SnapshotOf(checkpoint.state, config));
     if (options.json) {
       PrintJson(evaluation, checkpoint, task, out);

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "actor/metaworld/environment.h"
+#include "common/checkpoint.h"
 #include "common/config.pb.h"
 #include "common/head_schedule.h"
 #include "common/messages.h"
@@ -43,6 +45,14 @@ struct Evaluation {
   std::optional<double> time_to_success;
 };
 
+/// @throws std::invalid_argument naming the option that cannot be as it is.
+void RequireValid(const EvaluateOptions& options);
+
+/// The checkpoint's configuration with another task, if `task` is not empty. What the policy was
+/// not trained for, task or engine, is a warning on `err`.
+RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const std::string& task,
+                           std::ostream& err);
+
 /// Wilson score interval of `successes` out of `trials`, at 1.96 standard deviations
 /// (Wilson 1927). @throws std::invalid_argument if trials < 1.
 void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, double& high);
@@ -52,11 +62,16 @@ void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, do
 metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const std::string& task,
                                        std::uint64_t index);
 
+/// Called after the reset, with t = 0 and nothing but its observation, and after each step, with
+/// the number t of steps taken so far and what the last of them returned.
+using StepWatcher = std::function<void(std::int32_t t, const metaworld::StepResult& step)>;
+
 /// Plays one episode with the mean action at every step.
 /// @param episode  of the evaluation: {kEvaluate, its seed, the index}.
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
                                    const EpisodeKey& episode, const metaworld::RandVec& placement,
-                                   metaworld::Environment& environment);
+                                   metaworld::Environment& environment,
+                                   const StepWatcher& watch = {});
 
 /// `metronome-actor evaluate`: success rate with its confidence interval and mean return of a
 /// checkpoint's policy. Another engine than the checkpoint's is a warning on `err`.

@@ -130,6 +130,7 @@ int Execute(const RunOptions& options) {
 int Execute(const TraceOptions& options) { return RunTrace(options, std::cout); }
 int Execute(const PlacementsOptions& options) { return RunPlacements(options, std::cout); }
 int Execute(const EvaluateOptions& options) { return RunEvaluate(options, std::cout, std::cerr); }
+int Execute(const RenderOptions& options) { return RunRender(options, std::cout, std::cerr); }
 
 int Main(int argc, char** argv) {
   const auto parsed = ParseActorCommand(argc, argv);

@@ -24,6 +24,7 @@ struct Typed {
   TraceOptions trace;
   PlacementsOptions placements;
   EvaluateOptions evaluate;
+  RenderOptions render;
 };
 
 /// One of a few words; another one is answered with the near miss.
@@ -141,6 +142,50 @@ void AddEvaluate(CLI::App& app, Typed& typed) {
   evaluate->add_flag("--json", options.json, "Print one JSON object");
 }
 
+void AddRender(CLI::App& app, Typed& typed) {
+  RenderOptions& options = typed.render;
+  CLI::App* render = app.add_subcommand(
+      "render",
+      "Draw an episode of a checkpoint's deterministic policy: a picture of the hand's "
+      "path coloured by head, or a video");
+  render->add_option("--checkpoint", options.checkpoint, "Checkpoint file")->required();
+  render->add_option(
+      "--out", options.out,
+      "FILE.png: the whole episode in one picture; FILE.mp4: a video (needs ffmpeg)");
+  render->add_option("--csv", options.csv,
+                     "File for the path's numbers: step, head, hand, gripper, object, reward, "
+                     "success; --out is not needed then");
+  render->add_option("--task", options.task, TaskHelp() + " [the checkpoint's]")->check(Task());
+  render->add_option("--seed", options.seed, "Seed of the placements, as evaluate's")
+      ->capture_default_str();
+  render->add_option("--episode", options.episode, "Which of evaluate's episodes, from 0")
+      ->capture_default_str();
+  render
+      ->add_option("--placements", options.placements,
+                   "random: fresh ones; mt1: the official benchmark's 50")
+      ->check(OneOf("placements", {"random", "mt1"}))
+      ->capture_default_str();
+  render->add_option("--size", options.size, "WIDTHxHEIGHT in pixels [1280x960; .mp4 640x480]");
+  render
+      ->add_option("--camera", options.camera,
+                   "free: a view that suits the task; AZIMUTH,ELEVATION,DISTANCE[,X,Y,Z]: another "
+                   "one (degrees, metres; of the point X,Y,Z); or a camera of the scene")
+      ->capture_default_str();
+  render->add_flag("--path,!--no-path", options.path, "Draw the hand's path [yes]");
+  render
+      ->add_option("--arm-opacity", options.arm_opacity,
+                   "0 to 1: shows what the arm hides [.png with path 0.4, else 1]")
+      ->check(CLI::Range(0.0, 1.0));
+  render->add_option("--step", options.step,
+                     ".png: draw the arm as after so many steps [the last]");
+  render->add_option("--every", options.every, ".mp4: a frame every so many steps, 80 a second")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  render->add_option("--speed", options.speed, ".mp4: times real time")
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+}
+
 RunOptions Judge(Typed typed) {
   typed.run.bus.transport = ParseTransport(typed.transport);
   typed.run.bus.network = ParseNetwork(typed.network);
@@ -160,10 +205,12 @@ std::variant<ActorCommand, int> ParseActorCommand(int argc, const char* const* a
   AddTrace(app, typed);
   AddPlacements(app, typed);
   AddEvaluate(app, typed);
+  AddRender(app, typed);
   if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
   if (app.got_subcommand("trace")) return ActorCommand(typed.trace);
   if (app.got_subcommand("placements")) return ActorCommand(typed.placements);
   if (app.got_subcommand("evaluate")) return ActorCommand(typed.evaluate);
+  if (app.got_subcommand("render")) return ActorCommand(typed.render);
   try {
     return ActorCommand(Judge(typed));
   } catch (const std::invalid_argument& error) {

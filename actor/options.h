@@ -7,6 +7,7 @@
 
 #include "actor/evaluate.h"
 #include "actor/placements.h"
+#include "actor/render/render.h"
 #include "actor/trace.h"
 #include "common/dds/bus_options.h"
 
@@ -21,7 +22,8 @@ struct RunOptions {
   std::string log_level = "info";
 };
 
-using ActorCommand = std::variant<RunOptions, TraceOptions, PlacementsOptions, EvaluateOptions>;
+using ActorCommand =
+    std::variant<RunOptions, TraceOptions, PlacementsOptions, EvaluateOptions, RenderOptions>;
 
 /// The command line of metronome-actor. Prints help and complaints itself.
 /// @return the command, or the exit status: 0 (help), 2 (usage).

@@ -1,0 +1,54 @@
+#include "actor/render/episode_path.h"
+
+#include <algorithm>
+
+#include "common/number_text.h"
+
+namespace metronome {
+namespace {
+
+Pose PoseOf(const mjModel& model, const mjData& data) {
+  return {{data.qpos, data.qpos + model.nq},
+          {data.mocap_pos, data.mocap_pos + std::ptrdiff_t{3} * model.nmocap},
+          {data.mocap_quat, data.mocap_quat + std::ptrdiff_t{4} * model.nmocap}};
+}
+
+}  // namespace
+
+EpisodePath FollowEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
+                          const EpisodeKey& episode, const metaworld::RandVec& placement,
+                          metaworld::SawyerEnvironment& environment) {
+  const HeadSchedule schedule(config, episode);
+  EpisodePath path;
+  path.heads = schedule.heads();
+  const auto watch = [&](std::int32_t t, const metaworld::StepResult& step) {
+    PathPoint point;
+    point.pose = PoseOf(environment.model(), environment.data());
+    std::copy_n(step.observation.begin(), 3, point.hand.begin());
+    std::copy_n(step.observation.begin() + 4, 3, point.object.begin());
+    point.gripper = step.observation[3];
+    point.head = schedule.HeadAt(std::max(t - 1, 0));
+    point.reward = step.reward;
+    point.success = step.info.success;
+    path.points.push_back(std::move(point));
+  };
+  path.outcome = PlayDeterministic(config, snapshot, episode, placement, environment, watch);
+  return path;
+}
+
+std::string Csv(const EpisodePath& path) {
+  std::string text =
+      "t,head,hand_x,hand_y,hand_z,gripper,object_x,object_y,object_z,reward,success\n";
+  for (std::size_t t = 0; t < path.points.size(); ++t) {
+    const PathPoint& point = path.points[t];
+    text += std::to_string(t) + ',' + (t > 0 ? std::to_string(point.head) : "");
+    for (const double number : point.hand) text += ',' + FormatNumber(number);
+    text += ',' + FormatNumber(point.gripper);
+    for (const double number : point.object) text += ',' + FormatNumber(number);
+    text += t > 0 ? ',' + FormatNumber(point.reward) + (point.success ? ",1" : ",0") : ",,";
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace metronome

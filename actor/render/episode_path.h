@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "actor/evaluate.h"
+#include "actor/metaworld/sawyer.h"
+#include "common/config.pb.h"
+#include "common/head_schedule.h"
+#include "common/messages.h"
+
+namespace metronome {
+
+/// Where everything in a scene is, as far as drawing needs it.
+struct Pose {
+  std::vector<double> qpos;
+  std::vector<double> mocap_pos;   // [mocap bodies, 3], metres
+  std::vector<double> mocap_quat;  // [mocap bodies, 4]
+};
+
+/// The state after t steps. Head, reward and success are those of the step that led to it.
+struct PathPoint {
+  Pose pose;
+  std::array<double, 3> hand{};    // observation[0..2], metres
+  std::array<double, 3> object{};  // observation[4..6], metres
+  double gripper = 0;              // observation[3]: 0 closed, 1 open
+  std::int32_t head = 0;           // at t = 0, where no step has been: the head of the first one
+  double reward = 0;
+  bool success = false;
+};
+
+/// One episode under the deterministic policy, and where it went.
+struct EpisodePath {
+  std::int32_t heads = 1;         // k
+  std::vector<PathPoint> points;  // [T + 1]
+  EvaluatedEpisode outcome;
+};
+
+/// The same episode as `evaluate` plays, looked at after every step; looking changes nothing.
+EpisodePath FollowEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
+                          const EpisodeKey& episode, const metaworld::RandVec& placement,
+                          metaworld::SawyerEnvironment& environment);
+
+/// CSV with the header
+/// t,head,hand_x,hand_y,hand_z,gripper,object_x,object_y,object_z,reward,success; row t is the
+/// state after t steps, so that the stretch from row t - 1 to row t belongs to row t's head. Row 0
+/// is the reset: head, reward and success are empty. Numbers read back as the same doubles.
+std::string Csv(const EpisodePath& path);
+
+}  // namespace metronome

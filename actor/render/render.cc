@@ -1,0 +1,168 @@
+#include "actor/render/render.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <optional>
+#include <ostream>
+#include <stdexcept>
+
+#include "actor/metaworld/assets.h"
+#include "actor/metaworld/sawyer.h"
+#include "actor/render/camera.h"
+#include "actor/render/episode_path.h"
+#include "actor/render/episode_pictures.h"
+#include "actor/render/video_writer.h"
+#include "common/checkpoint.h"
+#include "common/files.h"
+#include "common/near_miss.h"
+#include "common/number_text.h"
+#include "common/snapshot.h"
+
+namespace metronome {
+namespace {
+
+constexpr int kLeastSide = 160;         // pixels; text and timeline need some room
+constexpr int kMostSide = 4096;         // pixels
+constexpr double kStepsPerSecond = 80;  // control steps of 12.5 ms: real time
+
+enum class Medium { kNone, kPicture, kVideo };
+
+Medium MediumOf(const std::string& path) {
+  if (path.empty()) return Medium::kNone;
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".png") return Medium::kPicture;
+  if (extension == ".mp4") return Medium::kVideo;
+  throw std::invalid_argument("--out " + path +
+                              ": the name must end in .png (a picture) or .mp4 (a "
+                              "video)");
+}
+
+ImageSize SizeOf(const RenderOptions& options, Medium medium) {
+  const bool video = medium == Medium::kVideo;
+  if (options.size.empty()) return video ? ImageSize{640, 480} : ImageSize{1280, 960};
+  const ImageSize size = ParseImageSize(options.size);
+  if (video && (size.width % 2 != 0 || size.height % 2 != 0)) {
+    throw std::invalid_argument("--size " + options.size +
+                                ": a video's width and height must be even");
+  }
+  return size;
+}
+
+/// In a picture the arm stands still, often before the path.
+double ArmOpacity(const RenderOptions& options, Medium medium) {
+  const bool fade = medium == Medium::kPicture && options.path;
+  return options.arm_opacity.value_or(fade ? 0.4 : 1);
+}
+
+/// Before an episode is played in vain.
+void RequireWritable(const std::string& path) {
+  if (path.empty()) return;
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const std::string named = folder.empty() ? "." : folder.string();
+  if (!std::filesystem::is_directory(named)) {
+    throw std::runtime_error("cannot write " + path + ": there is no folder " + named);
+  }
+  if (access(named.c_str(), W_OK) != 0) {
+    throw std::runtime_error("cannot write " + path + ": the folder " + named + " is not writable");
+  }
+}
+
+void RequireValid(const RenderOptions& options) {
+  if (options.out.empty() && options.csv.empty()) {
+    throw std::invalid_argument(
+        "nothing to make: give --out FILE.png, --out FILE.mp4 or --csv FILE");
+  }
+  if (options.every < 1) throw std::invalid_argument("--every must be at least 1");
+  if (!(options.speed > 0)) throw std::invalid_argument("--speed must be above 0");
+}
+
+std::int32_t PoseAt(const RenderOptions& options, std::int32_t horizon) {
+  const std::int32_t step = options.step.value_or(horizon);
+  if (step < 0 || step > horizon) {
+    throw std::invalid_argument("--step " + std::to_string(step) + ": the episode has steps 0 to " +
+                                std::to_string(horizon));
+  }
+  return step;
+}
+
+void WriteVideo(const RenderOptions& options, ImageSize size, std::int32_t horizon,
+                EpisodePictures& pictures) {
+  VideoWriter video(options.out, size, kStepsPerSecond * options.speed / options.every);
+  for (std::int32_t t = 0; t <= horizon; t += options.every) video.Add(pictures.Moment(t));
+  video.Finish();
+}
+
+EvaluateOptions AsEvaluated(const RenderOptions& options) {
+  EvaluateOptions evaluate;
+  evaluate.checkpoint = options.checkpoint;
+  evaluate.task = options.task;
+  evaluate.seed = options.seed;
+  evaluate.placements = options.placements;
+  return evaluate;
+}
+
+void Render(const RenderOptions& options, std::ostream& out, std::ostream& err) {
+  RequireValid(options);
+  const Medium medium = MediumOf(options.out);
+  const ImageSize size = SizeOf(options, medium);
+  const EvaluateOptions evaluate = AsEvaluated(options);
+  RequireValid(evaluate);
+  RequireWritable(options.out);
+  RequireWritable(options.csv);
+  if (medium == Medium::kVideo) VideoWriter::RequireEncoder();
+
+  const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
+  const RunConfig config = ConfigToEvaluate(checkpoint, options.task, err);
+  const std::string& task = config.environment().task();
+  const std::int32_t horizon = config.environment().horizon();
+  const std::int32_t pose_at = PoseAt(options, horizon);
+  const auto environment = metaworld::MakeSawyerEnvironment(
+      task, {.goal_visible = config.environment().goal_visible(), .assets = options.assets});
+  const mjvCamera camera = FindCamera(environment->model(), task, options.camera);
+  const EpisodePath path =
+      FollowEpisode(config, SnapshotOf(checkpoint.state, config),
+                    {RandomPurpose::kEvaluate, evaluate.seed, options.episode},
+                    EvaluationPlacement(evaluate, task, options.episode), *environment);
+
+  if (medium != Medium::kNone) {
+    EpisodePictures pictures(environment->model(), camera, path,
+                             {task, size, options.path, ArmOpacity(options, medium)});
+    if (medium == Medium::kPicture) WritePng(options.out, pictures.Whole(pose_at));
+    if (medium == Medium::kVideo) WriteVideo(options, size, horizon, pictures);
+  }
+  if (!options.csv.empty()) WriteFileAtomically(options.csv, Csv(path));
+  out << task << ", weights version " << checkpoint.state.version << ", seed " << options.seed
+      << ", episode " << options.episode << ": return " << FormatNumber(path.outcome.episode_return)
+      << (path.outcome.success ? ", success" : ", no success") << '\n';
+}
+
+}  // namespace
+
+ImageSize ParseImageSize(const std::string& text) {
+  const std::size_t cross = text.find('x');
+  const auto width = ParseNumber<int>(text.substr(0, cross));
+  const auto height = ParseNumber<int>(cross == std::string::npos ? "" : text.substr(cross + 1));
+  const auto fits = [](int side) { return kLeastSide <= side && side <= kMostSide; };
+  if (!width || !height || !fits(*width) || !fits(*height)) {
+    throw std::invalid_argument("--size " + text + ": must be WIDTHxHEIGHT, each from " +
+                                std::to_string(kLeastSide) + " to " + std::to_string(kMostSide) +
+                                " pixels, 1280x960 for example");
+  }
+  return {*width, *height};
+}
+
+int RunRender(const RenderOptions& options, std::ostream& out, std::ostream& err) {
+  try {
+    Render(options, out, err);
+    return 0;
+  } catch (const std::invalid_argument& error) {
+    err << "error: " << error.what() << '\n';
+    return 2;
+  } catch (const std::exception& error) {
+    err << "error: " << error.what() << '\n';
+    return 1;
+  }
+}
+
+}  // namespace metronome

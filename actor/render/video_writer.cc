@@ -1,0 +1,182 @@
+#include "actor/render/video_writer.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "common/files.h"
+#include "common/number_text.h"
+
+namespace metronome {
+namespace {
+
+constexpr const char* kEncoder = "ffmpeg";
+
+/// Raw frames in; H.264 that every player takes, colours as in high-definition television out.
+std::vector<std::string> EncoderCommand(const std::string& to, ImageSize size, double rate) {
+  const std::string dimensions = std::to_string(size.width) + "x" + std::to_string(size.height);
+  return {kEncoder,
+          "-hide_banner",
+          "-nostdin",
+          "-loglevel",
+          "error",
+          "-y",
+          "-f",
+          "rawvideo",
+          "-pixel_format",
+          "rgb24",
+          "-video_size",
+          dimensions,
+          "-framerate",
+          FormatNumber(rate),
+          "-i",
+          "pipe:0",
+          "-c:v",
+          "libx264",
+          "-crf",
+          "18",
+          "-vf",
+          "scale=out_color_matrix=bt709:out_range=tv",
+          "-pix_fmt",
+          "yuv420p",
+          "-colorspace",
+          "bt709",
+          "-color_primaries",
+          "bt709",
+          "-color_trc",
+          "bt709",
+          "-movflags",
+          "+faststart",
+          "-f",
+          "mp4",
+          to};
+}
+
+void Check(int error, const char* what) {
+  if (error != 0) throw std::system_error(error, std::generic_category(), what);
+}
+
+/// Runs `command` with `input` as its standard input, what it says going to the file `output`.
+pid_t Spawn(std::vector<std::string> command, int input, const std::string& output) {
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+  Check(posix_spawn_file_actions_init(&files), "posix_spawn");
+  Check(posix_spawnattr_init(&attributes), "posix_spawn");
+  posix_spawn_file_actions_adddup2(&files, input, STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(),
+                                   O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+  sigset_t pipe_signal;
+  sigemptyset(&pipe_signal);
+  sigaddset(&pipe_signal, SIGPIPE);
+  posix_spawnattr_setsigdefault(&attributes, &pipe_signal);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+  std::vector<char*> words;
+  words.reserve(command.size() + 1);
+  for (std::string& word : command) words.push_back(word.data());
+  words.push_back(nullptr);
+  pid_t child = -1;
+  const int error = posix_spawnp(&child, words[0], &files, &attributes, words.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+  Check(error, "cannot start ffmpeg");
+  return child;
+}
+
+bool OnPath(const char* program) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path == nullptr ? "" : path);
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (access((std::filesystem::path(folder) / program).c_str(), X_OK) == 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void VideoWriter::RequireEncoder() {
+  if (OnPath(kEncoder)) return;
+  throw std::runtime_error(
+      "a video needs the program ffmpeg, which is not there: run deploy/setup --video, or install "
+      "Debian's package ffmpeg (a .png needs neither)");
+}
+
+VideoWriter::VideoWriter(std::string path, ImageSize size, double frames_per_second)
+    : path_(std::move(path)),
+      unfinished_(path_ + ".tmp." + std::to_string(getpid())),
+      complaints_(unfinished_ + ".log") {
+  // A frame for an ffmpeg that has ended is an error to report, not the end of this process.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) Check(errno, "cannot make a pipe");
+  try {
+    ffmpeg_ = Spawn(EncoderCommand(unfinished_, size, frames_per_second), ends[0], complaints_);
+  } catch (...) {
+    close(ends[0]);
+    close(ends[1]);
+    throw;
+  }
+  close(ends[0]);
+  input_ = ends[1];
+}
+
+VideoWriter::~VideoWriter() {
+  if (ffmpeg_ > 0) {
+    kill(ffmpeg_, SIGKILL);
+    Wait();
+  }
+  unlink(unfinished_.c_str());
+  unlink(complaints_.c_str());
+}
+
+void VideoWriter::Add(const Image& frame) {
+  std::string_view rest(reinterpret_cast<const char*>(frame.rgb.data()), frame.rgb.size());
+  while (!rest.empty()) {
+    const ssize_t written = write(input_, rest.data(), rest.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) Fail();
+    rest.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void VideoWriter::Finish() {
+  if (Wait() != 0) Fail();
+  std::filesystem::rename(unfinished_, path_);
+}
+
+int VideoWriter::Wait() {
+  if (input_ >= 0) close(input_);
+  input_ = -1;
+  int status = 0;
+  while (waitpid(ffmpeg_, &status, 0) < 0 && errno == EINTR) {
+  }
+  ffmpeg_ = -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+void VideoWriter::Fail() {
+  if (ffmpeg_ > 0) Wait();
+  std::string words;
+  try {
+    words = ReadFile(complaints_);
+  } catch (const std::system_error&) {
+    // Then it had nothing to say.
+  }
+  throw std::runtime_error(
+      "ffmpeg could not write " + path_ +
+      (words.empty() ? "" : ": " + words.substr(0, words.find_last_not_of('\n') + 1)));
+}
+
+}  // namespace metronome
