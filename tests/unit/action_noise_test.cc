@@ -5,7 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "common/config.h"
 #include "common/random.h"
 
 namespace metronome {
@@ -16,7 +15,7 @@ RunConfig ConfigWith(double correlation, std::uint64_t seed = 5) {
   config.set_seed(seed);
   config.mutable_environment()->set_task("push");
   config.mutable_policy()->set_noise_correlation(correlation);
-  return Resolve(config);
+  return config;
 }
 
 // One component over many steps of one episode.
