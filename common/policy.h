@@ -10,6 +10,7 @@
 #include "common/head_schedule.h"
 #include "common/messages.h"
 #include "common/network.h"
+#include "common/random.h"
 
 namespace metronome {
 
@@ -49,11 +50,11 @@ class Policy {
 
   /// Samples the action of step t with the standard normal numbers of `noise`.
   Decision Act(const HeadSchedule& schedule, const float* observation, std::int32_t t,
-               const std::array<float, kActionSize>& noise);
+               RandomStream noise);
   /// The same where the mean of step t is known.
   [[nodiscard]] Decision ActAround(const HeadSchedule& schedule,
                                    const std::array<float, kActionSize>& mean, std::int32_t t,
-                                   const std::array<float, kActionSize>& noise) const;
+                                   RandomStream noise) const;
 
  private:
   /// Weight transposed to [inputs, padded outputs] row-major, so that vectors run along outputs;
@@ -93,5 +94,10 @@ class Policy {
   std::vector<Eigen::MatrixXf> activations_;  // one per hidden layer, [padded outputs, kStates]
   Eigen::VectorXf head_output_;               // padded
 };
+
+/// The noise of step t of training episode `number`.
+inline RandomStream ActionNoise(std::uint64_t seed, std::uint64_t number, std::int32_t t) {
+  return {RandomPurpose::kTrain, seed, number, static_cast<std::uint64_t>(t)};
+}
 
 }  // namespace metronome
