@@ -1,7 +1,7 @@
 """deploy/figures: statistics and figures of the experiments, made from the CSV files under results/.
 
-Writes results/figures/: one image a figure, and README.md with every figure's caption and all tables.
-The same results give the same files, byte for byte.
+Writes results/figures/: one image a figure, a picture of each committed policy's skills, and README.md
+with every figure's caption and all tables. The same results give the same files, byte for byte.
 """
 
 import argparse
@@ -13,6 +13,7 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 
 import cells  # noqa: E402
+import policies  # noqa: E402
 import scores  # noqa: E402
 import style  # noqa: E402
 import tables  # noqa: E402
@@ -37,7 +38,9 @@ def parse_arguments():
     parser.add_argument("--out", type=Path, metavar="DIR", help="where to write (default RESULTS/figures)")
     parser.add_argument("--only", action="append", metavar="NAME",
                         help="only this figure, without tables; may be repeated: "
-                             + ", ".join(FIGURES) + ", EXPERIMENT-curves")
+                             + ", ".join((*FIGURES, *policies.NAMES)) + ", EXPERIMENT-curves")
+    parser.add_argument("--videos", action="store_true",
+                        help="a video of each committed policy too (a minute each)")
     parser.add_argument("--format", choices=("png", "svg", "pdf"), default="png", help="of the images (default png)")
     parser.add_argument("--page", type=Path, metavar="FILE",
                         help="put tables and figures into this Markdown file too, between its "
@@ -67,6 +70,24 @@ def draw_all(experiments, wanted, options):
         path = options.out / f"{name}.{options.format}"
         style.save(figure, path)
         print(f"  {shown(path)}  {path.stat().st_size / 1000:.0f} kB", flush=True)
+    return captions
+
+
+def draw_policies(wanted, options):
+    """@return name to caption of the skill figures made."""
+    captions, program = {}, policies.renderer(ROOT)
+    for task, checkpoint in policies.found(options.results).items():
+        name = f"skill-{task}"
+        if wanted and name not in wanted:
+            continue
+        if program is None:
+            print(f"  {name}: left out, it is drawn by metronome-actor (deploy/setup builds it)", flush=True)
+            continue
+        targets = [options.out / f"{name}.png"] + [options.out / f"{task}.mp4"] * options.videos
+        for target in targets:
+            said = policies.render(program, checkpoint, target)
+            print(f"  {shown(target)}  {target.stat().st_size / 1000:.0f} kB", flush=True)
+        captions[name] = policies.caption(said)
     return captions
 
 
@@ -100,11 +121,15 @@ def contents(experiments):
     return "\n\n".join(parts)
 
 
+def image_of(name, suffix):
+    return f"{name}.png" if name in policies.NAMES else f"{name}.{suffix}"
+
+
 def write_page(path, experiments, captions, made, suffix):
     parts = ["# Figures and tables", "Made by `deploy/figures` from the finished runs of the experiments beside this "
              "folder; not written by hand. Seeds of each task and arm:", contents(experiments)]
     for name, caption in captions.items():
-        parts += [f"## {name}", f"![{name}]({name}.{suffix})", caption]
+        parts += [f"## {name}", f"![{name}]({image_of(name, suffix)})", caption]
     for name, table in made.items():
         parts += [f"## Table: {name}", table]
     path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
@@ -114,7 +139,7 @@ def write_page(path, experiments, captions, made, suffix):
 def unknown_mark(page):
     """@return a mark of the page that nothing would ever fill, or None."""
     for kind, name in re.findall(r"<!-- (table|figure) (.*?) -->", page.read_text(encoding="utf-8")):
-        known = tables.TABLES if kind == "table" else FIGURES
+        known = tables.TABLES if kind == "table" else (*FIGURES, *policies.NAMES)
         if name not in known and not (kind == "figure" and name.endswith("-curves")):
             return f"<!-- {kind} {name} -->"
     return None
@@ -133,7 +158,7 @@ def fill_page(page, blocks):
 
 def page_blocks(options, captions, made):
     folder = os.path.relpath(options.out, options.page.resolve().parent)
-    blocks = {("figure", name): f"![{name}]({folder}/{name}.{options.format})\n\n{caption}"
+    blocks = {("figure", name): f"![{name}]({folder}/{image_of(name, options.format)})\n\n{caption}"
               for name, caption in captions.items()}
     return blocks | {("table", name): table for name, table in made.items()}
 
@@ -151,9 +176,9 @@ def main():
         print(f"deploy/figures: {error}", file=sys.stderr)
         return 2
     wanted = drawings(experiments)
-    unknown = [name for name in options.only or [] if name not in wanted]
+    unknown = [name for name in options.only or [] if name not in (*wanted, *policies.NAMES)]
     if unknown:
-        parser.error(f"--only: no figure '{unknown[0]}'; there are: {', '.join(wanted)}")
+        parser.error(f"--only: no figure '{unknown[0]}'; there are: {', '.join((*wanted, *policies.NAMES))}")
     for name, found in experiments.items():
         print(summary(name, found))
     for folder in unfinished:
@@ -161,6 +186,11 @@ def main():
     options.out.mkdir(parents=True, exist_ok=True)
     captions = draw_all(experiments, {name: draw for name, draw in wanted.items()
                                       if name in (options.only or wanted)}, options)
+    try:
+        captions |= draw_policies(options.only, options)
+    except policies.RenderError as error:
+        print(f"deploy/figures: {error}", file=sys.stderr)
+        return 1
     made = {}
     if not options.only:
         made = {name: table(experiments) for name, table in tables.TABLES.items()}

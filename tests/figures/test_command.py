@@ -1,6 +1,7 @@
 """deploy/figures as one command."""
 
 import hashlib
+import shutil
 import subprocess
 
 import pytest
@@ -76,3 +77,16 @@ def test_a_page_with_a_mark_that_nothing_fills_is_refused(results, tmp_path):
     page.write_text("<!-- table finale -->\n<!-- end -->\n")
     assert "<!-- table finale -->" in figures("--results", results, "--page", page, code=2)
     assert not (results / "figures").exists()
+
+
+def test_a_committed_policy_gets_a_picture_of_its_skills(results, tmp_path):
+    shutil.copytree(results, tmp_path / "results")
+    (tmp_path / "results" / "policies").mkdir()
+    shutil.copy(ROOT / "results" / "policies" / "push.ckpt", tmp_path / "results" / "policies")
+    page = tmp_path / "page.md"
+    page.write_text("<!-- figure skill-push -->\n<!-- end -->\n")
+    figures("--results", tmp_path / "results", "--only", "skill-push", "--page", page)
+    assert (tmp_path / "results" / "figures" / "skill-push.png").read_bytes().startswith(b"\x89PNG")
+    assert "![skill-push](results/figures/skill-push.png)" in page.read_text()
+    (tmp_path / "results" / "policies" / "push.ckpt").write_bytes(b"no checkpoint")
+    assert "push.ckpt: " in figures("--results", tmp_path / "results", "--only", "skill-push", code=1)

@@ -1,0 +1,41 @@
+"""The skill figure and a video of each committed policy, drawn by `metronome-actor render`."""
+
+import subprocess
+from pathlib import Path
+
+from names import TASKS, in_order
+
+# Placements that no training run draws; the same ones as the experiments' evaluations.
+SEED, EPISODE = 1000, 1
+NAMES = tuple(f"skill-{task}" for task in TASKS)
+
+
+class RenderError(Exception):
+    """A policy cannot be drawn; the message is the program's own."""
+
+
+def found(results):
+    """Task to checkpoint of the committed policies."""
+    there = {path.stem: path for path in (results / "policies").glob("*.ckpt")}
+    return {task: there[task] for task in in_order(there, TASKS)}
+
+
+def renderer(root):
+    """The program that draws: of the default engine's build, else of the other's, else None."""
+    programs = (root / build / "bin" / "metronome-actor" for build in ("build", "build-3.3.0"))
+    return next((program for program in programs if program.exists()), None)
+
+
+def render(program, checkpoint, target):
+    """Makes the picture or video `target`. @return what the program said of the episode."""
+    done = subprocess.run([str(program), "render", "--checkpoint", str(checkpoint), "--seed", str(SEED),
+                           "--episode", str(EPISODE), "--out", str(target)],
+                          capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RenderError(f"{Path(checkpoint).name}: {done.stderr.strip()}")
+    return done.stdout.strip()
+
+
+def caption(said):
+    return ("One episode of the committed policy under its mean action: the hand's path, coloured by the head that "
+            f"acts; a ball where each begins. {said[0].upper()}{said[1:]}.")
