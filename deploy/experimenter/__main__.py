@@ -11,10 +11,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "deploy" / "launcher"))
 
+import builds  # noqa: E402
 import children  # noqa: E402
 import matrix  # noqa: E402
 import view  # noqa: E402
-from cell_files import CellFiles, shown  # noqa: E402
+from cell_files import CellFiles  # noqa: E402
+from progress import shown  # noqa: E402
 from settings import SettingsError, make_settings  # noqa: E402
 from slot import CellFailed, Slot  # noqa: E402
 
@@ -133,16 +135,6 @@ class Runner:
         return 1 if self._failed else 0
 
 
-def _set_up(experiment, build):
-    if build is not None:
-        return build.absolute()
-    setup = [str(ROOT / "deploy" / "setup"), "--quiet", "--mujoco", experiment.mujoco]
-    code = children.run_in_foreground(setup)
-    if code != 0:
-        sys.exit(code)
-    return ROOT / ("build" if experiment.mujoco == "2.2.2" else f"build-{experiment.mujoco}")
-
-
 def _places(options):
     cores = sorted(os.sched_getaffinity(0))
     jobs = options.jobs or len(cores)
@@ -160,7 +152,7 @@ def main():
         if options.list:
             _list(cells, files)
             return 0
-        build = _set_up(experiment, options.build)
+        build = options.build.absolute() if options.build else builds.set_up(experiment.mujoco)
         settings = make_settings(ROOT, build, experiment, cells)
         for cell in cells:
             _require_same(files[cell], cell, settings)

@@ -11,7 +11,6 @@ import json
 import os
 import re
 import shutil
-from pathlib import Path
 
 CHECKPOINT = re.compile(r"(\d{6,})\.ckpt")
 # Columns of one head each make up most of progress.csv; whoever wants them makes the run again.
@@ -153,8 +152,3 @@ class CellFiles:
         (partial / "checkpoints" / "latest").symlink_to(newest.name)
         os.replace(partial, self.run)
         return True
-
-
-def shown(path):
-    relative = os.path.relpath(path)
-    return str(Path(path)) if relative.startswith("..") else relative

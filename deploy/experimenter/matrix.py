@@ -30,8 +30,9 @@ import difflib
 import tomllib
 from dataclasses import dataclass
 
+from options import METHODS
+
 TASKS = ("assembly", "bin-picking", "box-close", "push")
-METHODS = ("multihead", "ppo", "ppo-time")
 ENGINES = ("2.2.2", "3.3.0")
 PLACEMENTS = ("random", "mt1")
 _TOP = {"name", "mujoco", "tasks", "seeds", "steps", "milestones", "evaluate", "set", "arms", "task"}

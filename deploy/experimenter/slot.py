@@ -5,7 +5,7 @@ import signal
 import subprocess
 
 import children
-from cell_files import shown
+from progress import shown
 
 TRAIN_STOP = ((signal.SIGINT, 90.0), (signal.SIGKILL, 10.0))
 EVALUATE_STOP = ((signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))

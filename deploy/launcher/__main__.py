@@ -2,7 +2,7 @@
 
 import sys
 
-import children
+import builds
 import options as command_line
 from session import Session
 
@@ -10,12 +10,7 @@ from session import Session
 def main():
     options = command_line.parse(sys.argv[1:])
     if options.build is None:
-        setup = [str(command_line.ROOT / "deploy" / "setup"), "--quiet", "--mujoco", options.mujoco]
-        code = children.run_in_foreground(setup)
-        if code != 0:
-            return code
-        folder = "build" if options.mujoco == "2.2.2" else f"build-{options.mujoco}"
-        options.build = command_line.ROOT / folder
+        options.build = builds.set_up(options.mujoco)
     options.build = options.build.absolute()
     return Session(options).run()
 

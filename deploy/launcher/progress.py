@@ -1,9 +1,16 @@
 """What a person sees: a bar on a terminal, now and then a line elsewhere."""
 
+import os
 import sys
 import time
 
 PLAIN_EVERY = 10.0  # seconds between lines
+
+
+def shown(path):
+    """A path as a person would type it: relative, where it lies below."""
+    relative = os.path.relpath(path)
+    return str(path) if relative.startswith("..") else relative
 
 
 def _clock(seconds):

@@ -122,7 +122,7 @@ class Session:
         self._actors = [Actor(i, logs / f"actor-{i}.log") for i in range(self._options.actors)]
         self._view.note(
             f"run {self._options.run}: learner and {len(self._actors)} actors; "
-            f"logs in {_shown(logs)}/"
+            f"logs in {progress.shown(logs)}/"
         )
         if not self._actors:
             self._view.note(
@@ -165,11 +165,11 @@ class Session:
         if actor.starts > RESTARTS:
             actor.given_up = True
             self._view.note(
-                f"{what} for the {actor.starts}th time and is given up; {_shown(actor.log)}:"
+                f"{what} for the {actor.starts}th time and is given up; {progress.shown(actor.log)}:"
             )
             self._view.note(_tail(actor.log))
             return
-        self._view.note(f"{what}; starting it again ({_shown(actor.log)})")
+        self._view.note(f"{what}; starting it again ({progress.shown(actor.log)})")
         # At once the first time; then 1, 2, 4, ... seconds, for causes that pass.
         actor.start_at = time.monotonic() + (
             0.0 if actor.starts == 1 else 2.0 ** (actor.starts - 2)
@@ -215,23 +215,18 @@ class Session:
         folder, latest = options.folder, options.folder / "checkpoints" / "latest"
         message = self._finished.get("message", f"run {options.run}")
         print(f"{'finished' if done else 'stopped'}: {message}")
-        print(f"  results     {_shown(folder)}/progress.csv")
-        print(f"  curves      tensorboard --logdir {_shown(folder)}")
+        print(f"  results     {progress.shown(folder)}/progress.csv")
+        print(f"  curves      tensorboard --logdir {progress.shown(folder)}")
         newest = f" -> {os.readlink(latest)}" if latest.is_symlink() else ""
-        print(f"  checkpoint  {_shown(latest)}{newest}")
-        actor = _shown(options.build / "bin" / "metronome-actor")
-        print(f"  evaluate    {actor} evaluate --checkpoint {_shown(latest)}")
+        print(f"  checkpoint  {progress.shown(latest)}{newest}")
+        actor = progress.shown(options.build / "bin" / "metronome-actor")
+        print(f"  evaluate    {actor} evaluate --checkpoint {progress.shown(latest)}")
         if not done:
             named = [] if options.named else ["--run", options.run]
             print(
                 f"  go on       {shlex.join(command_line.resume_command() + named + ['--resume'])}"
             )
         sys.stdout.flush()
-
-
-def _shown(path):
-    relative = os.path.relpath(path)
-    return str(path) if relative.startswith("..") else relative
 
 
 def _ending(code):
