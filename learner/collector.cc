@@ -33,11 +33,23 @@ void Collector::OnStatus(const ActorStatus& status, TimePoint now) {
   if (decision.verdict == Admission::Verdict::kRefuse) RefuseActor(status, decision.reason, now);
   if (decision.verdict != Admission::Verdict::kAdmit) return;
   const std::string name = status.host + ":" + std::to_string(status.pid);
+  const TimePoint trusted_from = flaps_.Join(status.actor_id, status.host, now);
   if (names_.insert_or_assign(status.actor_id, name).second) {
-    spdlog::info("actor {} joins with {} slot{}", name, status.slots, status.slots == 1 ? "" : "s");
+    Welcome(status, name, trusted_from, now);
   }
-  ledger_.Join(status.actor_id, name, status.slots, now);
+  ledger_.Join(status.actor_id, name, status.slots, now, trusted_from);
   WarnOfManySlots();
+}
+
+void Collector::Welcome(const ActorStatus& status, const std::string& name, TimePoint trusted_from,
+                        TimePoint now) const {
+  spdlog::info("actor {} joins with {} slot{}", name, status.slots, status.slots == 1 ? "" : "s");
+  if (trusted_from <= now) return;
+  spdlog::warn(
+      "actors on {} came and went {} times in a row: {} gets orders after {} s, sooner if nobody "
+      "else is there",
+      status.host, flaps_.FlapsOf(status.host), name,
+      std::chrono::ceil<std::chrono::seconds>(trusted_from - now).count());
 }
 
 void Collector::WarnOfManySlots() {
@@ -70,6 +82,7 @@ void Collector::SendRefusal(std::uint64_t actor_id, const std::string& reason) {
 }
 
 void Collector::OnLost(std::uint64_t actor_id, TimePoint now) {
+  flaps_.Lose(actor_id, now);
   const std::size_t orders = ledger_.Lose(actor_id, now);
   if (names_.contains(actor_id)) {
     spdlog::info("actor {} is gone{}", NameOf(actor_id),

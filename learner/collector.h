@@ -11,6 +11,7 @@
 #include "common/messages.h"
 #include "learner/admission.h"
 #include "learner/batch_store.h"
+#include "learner/flap_watch.h"
 #include "learner/learning.h"
 #include "learner/log_limit.h"
 #include "learner/order_ledger.h"
@@ -61,6 +62,8 @@ class Collector {
   void OnDuplicate(const Episode& episode, std::uint64_t actor_id, TimePoint now);
   void Discard(std::uint64_t actor_id, const std::string& reason, TimePoint now);
   void Complain(const std::string& text, TimePoint now);
+  void Welcome(const ActorStatus& status, const std::string& name, TimePoint trusted_from,
+               TimePoint now) const;
   void WarnOfManySlots();
   [[nodiscard]] std::string NameOf(std::uint64_t actor_id) const;
 
@@ -69,6 +72,7 @@ class Collector {
   std::uint64_t incarnation_;
   std::uint64_t episodes_per_update_;
   Admission admission_;
+  FlapWatch flaps_;
   OrderLedger ledger_;
   BatchStore batches_;
   std::map<std::uint64_t, PolicySnapshot> snapshots_;  // by version

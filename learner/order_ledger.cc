@@ -35,12 +35,13 @@ void OrderLedger::OpenBatches() {
 }
 
 void OrderLedger::Join(std::uint64_t actor_id, const std::string& name, std::uint32_t slots,
-                       TimePoint now) {
+                       TimePoint now, TimePoint trusted_from) {
   if (IsRefused(actor_id)) return;
   CountIdle(now);
   Actor& actor = actors_[actor_id];
   actor.name = name;
   actor.slots = std::max<std::uint32_t>(slots, 1);
+  actor.trusted_from = trusted_from;
 }
 
 std::size_t OrderLedger::Lose(std::uint64_t actor_id, TimePoint now) {
@@ -193,7 +194,7 @@ void OrderLedger::PlanOpen(TimePoint now, std::vector<Assignment>& plan) {
     const bool tail = open_.size() <= slots();
     const std::uint64_t number = *open_.begin();
     ActorMap::value_type* actor =
-        LeastLoaded(tail ? 1 : rules_.orders_per_slot, numbers_.at(number));
+        LeastLoaded(tail ? 1 : rules_.orders_per_slot, numbers_.at(number), now);
     if (actor == nullptr) return;
     HandOut(number, *actor, now, plan);
   }
@@ -214,21 +215,24 @@ void OrderLedger::PlanLate(TimePoint now, std::vector<Assignment>& plan) {
   }
   for (const auto& [number, everywhere] : late) {
     if (!everywhere) continue;
-    ActorMap::value_type* actor = LeastLoaded(1, numbers_.at(number));
+    ActorMap::value_type* actor = LeastLoaded(1, numbers_.at(number), now);
     if (actor != nullptr) HandOut(number, *actor, now, plan);
   }
 }
 
 // The actor with the least orders per slot that does not play the number yet and takes another.
 OrderLedger::ActorMap::value_type* OrderLedger::LeastLoaded(std::uint32_t orders_per_slot,
-                                                            const Number& number) {
-  // Who gave up an order is asked only when nobody else is there.
-  const bool any_speaks = std::any_of(actors_.begin(), actors_.end(),
-                                      [](const auto& actor) { return !actor.second.silent; });
+                                                            const Number& number, TimePoint now) {
+  // Who gave up an order, or comes and goes, is asked only when nobody else is there.
+  const auto reliable = [now](const Actor& actor) {
+    return !actor.silent && actor.trusted_from <= now;
+  };
+  const bool any_reliable = std::any_of(actors_.begin(), actors_.end(),
+                                        [&](const auto& actor) { return reliable(actor.second); });
   ActorMap::value_type* best = nullptr;
   for (auto& candidate : actors_) {
     const Actor& actor = candidate.second;
-    if (any_speaks && actor.silent) continue;
+    if (any_reliable && !reliable(actor)) continue;
     if (actor.out.size() >= std::size_t{actor.slots} * orders_per_slot) continue;
     if (Contains(number.holders, candidate.first)) continue;
     if (best == nullptr ||
@@ -263,12 +267,16 @@ void OrderLedger::HandOut(std::uint64_t number, ActorMap::value_type& actor, Tim
 
 std::optional<OrderLedger::TimePoint> OrderLedger::NextDeadline(TimePoint now) const {
   std::optional<TimePoint> next;
+  const auto consider = [&next](TimePoint due) {
+    if (!next || due < *next) next = due;
+  };
   for (const auto& actor : actors_) {
+    if (actor.second.trusted_from > now) consider(actor.second.trusted_from);
     for (const Outstanding& out : actor.second.out) {
       // A late order without an idle slot waits for an event, not for time: then the loss is next.
       TimePoint due = out.since + Scaled(rules_.late_factor);
       if (due <= now) due = out.since + Scaled(rules_.lost_factor);
-      if (!next || due < *next) next = due;
+      consider(due);
     }
   }
   return next;

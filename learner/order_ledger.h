@@ -57,7 +57,9 @@ class OrderLedger {
   explicit OrderLedger(const OrderRules& rules);
 
   /// The actor is there (again) with so many slots; at least 1. Refused actors stay refused.
-  void Join(std::uint64_t actor_id, const std::string& name, std::uint32_t slots, TimePoint now);
+  /// @param trusted_from  before that it is asked only if no trusted one is there.
+  void Join(std::uint64_t actor_id, const std::string& name, std::uint32_t slots, TimePoint now,
+            TimePoint trusted_from = {});
   /// What it has not brought is open again at once. @return how many orders that were.
   std::size_t Lose(std::uint64_t actor_id, TimePoint now);
   /// Nothing is ordered from this actor any more.
@@ -118,7 +120,8 @@ class OrderLedger {
     // what was late and came from elsewhere keeps its slot busy none the less.
     std::vector<Outstanding> out;
     std::uint32_t bad_in_a_row = 0;
-    bool silent = false;  // gave up an order and has brought nothing since
+    bool silent = false;     // gave up an order and has brought nothing since
+    TimePoint trusted_from;  // see Join
   };
   using ActorMap = std::map<std::uint64_t, Actor>;
 
@@ -128,7 +131,8 @@ class OrderLedger {
   void Release(ActorMap::value_type& actor, std::uint64_t number, TimePoint now);
   void HandOut(std::uint64_t number, ActorMap::value_type& actor, TimePoint now,
                std::vector<Assignment>& plan);
-  ActorMap::value_type* LeastLoaded(std::uint32_t orders_per_slot, const Number& number);
+  ActorMap::value_type* LeastLoaded(std::uint32_t orders_per_slot, const Number& number,
+                                    TimePoint now);
   void GiveUpLost(TimePoint now);
   void PlanOpen(TimePoint now, std::vector<Assignment>& plan);
   void PlanLate(TimePoint now, std::vector<Assignment>& plan);

@@ -230,6 +230,18 @@ TEST(OrderLedgerTest, AnActorThatGaveUpAnOrderIsAskedAgainOnlyWhenItSpeaks) {
   EXPECT_TRUE(ledger.IsComplete(0));
 }
 
+TEST(OrderLedgerTest, AnActorThatIsNotTrustedYetIsAskedOnlyIfNobodyElseIsThere) {
+  OrderLedger ledger(Rules(8, 1));
+  ledger.Join(1, "flaps", 1, At(0), At(5000));
+  EXPECT_EQ(NumbersOf(ledger.Plan(At(0)), 1), (Numbers{0, 1}));
+  ledger.Lose(1, At(10));
+  ledger.Join(2, "steady", 1, At(20));
+  ledger.Join(1, "flaps", 1, At(20), At(5000));
+  EXPECT_EQ(AllNumbers(ledger.Plan(At(20))), (Numbers{0, 1}));
+  EXPECT_EQ(ledger.NextDeadline(At(4000)), At(5000));  // by when 2's orders are long late
+  EXPECT_EQ(NumbersOf(ledger.Plan(At(5000)), 1), (Numbers{2, 3}));
+}
+
 TEST(OrderLedgerTest, ARejectedEpisodeIsOrderedAgainAndCountedByReasonAndActor) {
   OrderLedger ledger(Rules(2, 1));
   ledger.Join(1, "a", 1, At(0));
