@@ -90,11 +90,15 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
   CheckBusOptions(options);
   SendLogToStandardError();
   SwitchIntraprocessDeliveryOff();
+  if (options.transport == Transport::kSharedMemory) {
+    memory_.emplace(options.run_name, options.domain);
+  }
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   participant_ = Made(
       factory->create_participant(options.domain, ParticipantQos(options, role),
                                   TheLeaseRaceGuard(), fdds::StatusMask::none()),
       "participant in domain " + std::to_string(options.domain) + " (are its UDP ports free?)");
+  if (memory_) memory_->Write();
   try {
     Check(participant_->register_content_filter_factory(ActorFilterFactory::kClassName,
                                                         ActorFilterFactory::Get()),

@@ -3,9 +3,9 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
-#include <unistd.h>
-
 #include <memory>
+
+#include "common/dds/shared_memory.h"
 
 namespace metronome::dds {
 namespace {
@@ -22,9 +22,6 @@ constexpr std::uint32_t kSegmentBytes = 16 << 20;  // a history of episodes and 
 constexpr std::uint32_t kParticipantsPerPeer = 16;
 // Actors take the ports behind those: what is sent to the well-known ones finds learners alone.
 constexpr std::uint32_t kFirstActor = kParticipantsPerPeer;
-// Shared-memory ports are numbered by process, beyond any UDP port: a killed process leaves its
-// port behind locked, and one that takes its place must not run into it.
-constexpr std::uint32_t kFirstSharedMemoryPort = 1 << 16;
 
 // A killed peer is noticed after the lease; announcements leave room for starved threads.
 const eprosima::fastrtps::Duration_t kLease{2, 500'000'000};
@@ -93,7 +90,7 @@ void AddSharedMemory(fdds::DomainParticipantQos* qos) {
   qos->transport().user_transports.push_back(memory);
   rtps::Locator_t locator;
   locator.kind = LOCATOR_KIND_SHM;
-  locator.port = kFirstSharedMemoryPort + static_cast<std::uint32_t>(getpid());
+  locator.port = SharedMemoryPort();
   qos->wire_protocol().default_unicast_locator_list.push_back(locator);
   qos->wire_protocol().default_unicast_locator_list.push_back(UdpLocator("0.0.0.0", 0));
 }

@@ -137,6 +137,12 @@ class Team:
                     return
         raise Failed(f"{name} did not end well: {actor}")
 
+    def write_logs(self, folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        for number, process in enumerate(self.all):
+            kind = Path(process.command[process.command.index("run") - 1]).name
+            (folder / f"{number:02}-{kind}.log").write_text(f"{process}\n")
+
     def close(self):
         for process in self.all:
             if process.child.poll() is None:
