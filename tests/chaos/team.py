@@ -93,6 +93,7 @@ class Team:
 
     def _start(self, host, *command, on_line=None):
         process = harness.Process(host.process(*command), on_line)
+        process.name = f"{host.host_name}-{Path(command[0]).name}"
         self.all.append(process)
         return process
 
@@ -140,8 +141,7 @@ class Team:
     def write_logs(self, folder):
         folder.mkdir(parents=True, exist_ok=True)
         for number, process in enumerate(self.all):
-            kind = Path(process.command[process.command.index("run") - 1]).name
-            (folder / f"{number:02}-{kind}.log").write_text(f"{process}\n")
+            (folder / f"{number:02}-{process.name}.log").write_text(f"{process}\n")
 
     def close(self):
         for process in self.all:
