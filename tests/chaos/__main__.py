@@ -9,9 +9,7 @@ machine is a network namespace of its own, so this needs root.
 
 import argparse
 import collections
-import contextlib
 import csv
-import subprocess
 import sys
 import tempfile
 import time
@@ -19,22 +17,9 @@ from pathlib import Path
 
 from conductor import Conductor
 from faults import plan
-from team import UPDATES, Failed, Team, namespaces
+from team import UPDATES, Failed, Team, namespaces, small_disk
 
-DISK = "48m"  # of a run, so that it can be filled
 LONGEST_SILENCE = 10.0  # seconds between updates of a run that could go on; longer ones are failures
-
-
-@contextlib.contextmanager
-def small_disk(folder):
-    folder.mkdir(parents=True)
-    subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", f"size={DISK}", "tmpfs", folder], check=True
-    )
-    try:
-        yield folder
-    finally:
-        subprocess.run(["umount", folder], check=True)
 
 
 def say(text):
@@ -51,7 +36,7 @@ def curve(team):
 def one_run(folder, faults, options):
     """@return (conductor, weights_sha256, curve, seconds)."""
     started = time.monotonic()
-    with small_disk(folder) as disk, Team(disk / "runs", options=options.learner) as team:
+    with small_disk(folder, "48m") as disk, Team(disk / "runs", options=options.learner) as team:
         team.start_learner()
         for name in team.actor_hosts:
             team.start_actor(name)

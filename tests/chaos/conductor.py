@@ -24,17 +24,28 @@ class Conductor:
     def conduct(self):
         """Blocks until the run has ended. @return weights_sha256. @throws Failed."""
         while self.team.learner.child.poll() != 0 and self.team.done is None:
-            self._begin_faults()
-            self._wait()
-            self._end_faults()
-            self.team.check(
-                not any(f.absent for _, f in self._active if f.target == "learner"),
-                [n for n in self.team.actors if not self._is(n, lambda fault: fault.absent)],
-            )
-            self._watch_progress()
+            self.step()
+        self.end_all()
+        return self.team.finish()
+
+    def step(self):
+        """Blocks half a second at most."""
+        self._begin_faults()
+        self._wait()
+        self._end_faults()
+        self.team.check(
+            not any(f.absent for _, f in self._active if f.target == "learner"),
+            [n for n in self.team.actors if not self._is(n, lambda fault: fault.absent)],
+        )
+        self._watch_progress()
+
+    def end_all(self):
         for _, fault in self._active:
             self._end(fault)
-        return self.team.finish()
+        self._active = []
+
+    def busy(self, target):
+        return self._is(target, lambda _: True)
 
     def _is(self, target, test):
         return any(test(fault) for _, fault in self._active if fault.target == target)
@@ -42,12 +53,15 @@ class Conductor:
     def _begin_faults(self):
         while self.plan and self.plan[0][0] <= self._update < self.updates - QUIET_END:
             _, fault = self.plan[0]
-            if self._is(fault.target, lambda _: True):
+            if self.busy(fault.target):
                 return  # two at once on one machine would undo each other
             self.plan.pop(0)
-            self._say(f"update {self._update}: {fault}")
-            fault.begin(self.team)
-            self._active.append((time.monotonic() + fault.seconds, fault))
+            self.begin(fault)
+
+    def begin(self, fault):
+        self._say(f"update {self._update}: {fault}")
+        fault.begin(self.team)
+        self._active.append((time.monotonic() + fault.seconds, fault))
 
     def _end_faults(self):
         now = time.monotonic()

@@ -1,5 +1,6 @@
 """A learner and its actors, each on a machine of its own, and who of them is meant to be there."""
 
+import contextlib
 import json
 import queue
 import shutil
@@ -29,11 +30,25 @@ class Failed(Exception):
     """What must not happen in a run, happened."""
 
 
-class Team:
-    """@param folder  of the run's folder; removed first."""
+@contextlib.contextmanager
+def small_disk(folder, size):
+    """A new file system at `folder`, so small that it can be filled. @param size  e.g. "48m"."""
+    folder.mkdir(parents=True)
+    subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", folder], check=True)
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", folder], check=True)
 
-    def __init__(self, folder, actors=3, options=(), domain=0):
+
+class Team:
+    """@param folder    of the run's folder; removed first.
+    @param options   more of the learner's.
+    @param training  the options that decide what is learnt."""
+
+    def __init__(self, folder, actors=3, options=(), training=TRAINING, domain=0):
         self.folder, self.options, self.domain = Path(folder), tuple(options), domain
+        self.training = tuple(training)
         shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True)
         self.events = queue.Queue()  # ("update", n, when), ("said", line)
@@ -73,7 +88,7 @@ class Team:
         self.learner = self._start(
             self.learner_host,
             *(harness.LEARNER, "run", "--run", RUN, "--runs", self.folder, "--progress", "json"),
-            *("--domain", self.domain, "--network", "lan", *TRAINING, *self.options, *resume),
+            *("--domain", self.domain, "--network", "lan", *self.training, *self.options, *resume),
             on_line=self._hear,
         )
 
