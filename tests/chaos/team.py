@@ -3,6 +3,7 @@
 import contextlib
 import json
 import queue
+import re
 import shutil
 import signal
 import subprocess
@@ -120,6 +121,12 @@ class Team:
             self.events.put(("update", said["update"], time.monotonic()))
         else:
             self.events.put(("said", line, time.monotonic()))
+
+    def waits(self, name):
+        """@return for how many seconds the actor has been without a learner, as it says."""
+        lines = self.actors[name].lines
+        said = re.search(r"(no learner for|is gone: waiting).*\((\d+) s", lines[-1] if lines else "")
+        return float(said[2]) if said else 0.0
 
     def check(self, learner_expected, actors_expected):
         """Restarts a learner that ended for a reason that passes; raises Failed for any other end.

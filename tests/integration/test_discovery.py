@@ -32,8 +32,10 @@ def test_an_actor_cut_off_in_any_direction_plays_on_when_the_link_is_back(
     learner.expect_update(1)
     cut = there.drop(1.0, direction)
     if direction != "from":
-        actor.expect_text("learner of run 'run' is gone", seconds=10)
+        actor.expect_text("is gone: waiting for its return (3 s", seconds=15)
     if direction != "to":
         learner.expect_text("is gone", seconds=10)
     there.stop_dropping(cut)
+    if direction != "from":
+        actor.expect_text("the learner is back", seconds=15)
     learner.expect_update(learner.updates() + 5, seconds=15)
