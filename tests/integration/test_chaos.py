@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -9,6 +10,7 @@ import namespaces
 from harness import ROOT
 
 
+@pytest.mark.skipif(not Path("/dev/net/tun").exists(), reason="no TUN devices here")
 @pytest.mark.skipif(namespaces.unavailable() is not None, reason=str(namespaces.unavailable()))
 def test_a_run_under_faults_ends_with_the_weights_of_a_calm_one(tmp_path):
     done = subprocess.run(

@@ -17,6 +17,15 @@ def network():
         yield made
 
 
+def test_a_learner_that_starts_before_its_network_says_so(stage, network):
+    here = network.host("learner", plug_in=False)
+    learner = stage.start(
+        *here.process(LEARNER, "run", "--run", "run", "--runs", stage.runs, *SMALL),
+        *("--network", "lan"),
+    )
+    learner.expect_text("no network interface but loopback is up")
+
+
 @pytest.mark.parametrize("direction", ["to", "from", "both"])
 def test_an_actor_cut_off_in_any_direction_plays_on_when_the_link_is_back(
     stage, network, direction
