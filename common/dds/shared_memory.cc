@@ -101,7 +101,7 @@ std::uint32_t SharedMemoryPort() {
   return kFirst + static_cast<std::uint32_t>(getpid());
 }
 
-SharedMemoryNote::SharedMemoryNote(std::string run_name, std::uint32_t domain) {
+SharedMemoryNote::SharedMemoryNote(const std::string& run_name, std::uint32_t domain) {
   static std::atomic<int> count{0};
   const std::string prefix = PrefixOf(run_name, domain);
   RemoveLeftovers(prefix);

@@ -17,7 +17,7 @@ class SharedMemoryNote {
  public:
   /// Removes what dead processes of the run left on this machine, then makes the note.
   /// @throws std::system_error if it cannot be made.
-  SharedMemoryNote(std::string run_name, std::uint32_t domain);
+  SharedMemoryNote(const std::string& run_name, std::uint32_t domain);
   /// Removes the note.
   ~SharedMemoryNote();
   SharedMemoryNote(const SharedMemoryNote&) = delete;
