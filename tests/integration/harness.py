@@ -228,4 +228,9 @@ class Stage:
         for process in self.processes:
             if process.child.poll() is None:
                 process.kill()
+        # Killed processes leave shared memory; the runs of a test are not gone on with.
+        for note in Path("/dev/shm").glob(f"metronome-{self.domain}-*"):
+            for name in note.read_text().split():
+                (note.parent / name).unlink(missing_ok=True)
+            note.unlink(missing_ok=True)
         self._claim.close()
