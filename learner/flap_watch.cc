@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "learner/doubling.h"
+
 namespace metronome {
 namespace {
 
@@ -37,12 +39,7 @@ std::uint32_t FlapWatch::FlapsOf(const std::string& host) const {
 }
 
 std::chrono::milliseconds FlapWatch::Probation(std::uint32_t flaps) const {
-  if (flaps <= rules_.allowed) return std::chrono::milliseconds(0);
-  std::chrono::milliseconds probation = rules_.first;
-  for (std::uint32_t i = rules_.allowed + 1; i < flaps && probation < rules_.longest; ++i) {
-    probation *= 2;
-  }
-  return std::min(probation, rules_.longest);
+  return Doubling(flaps - std::min(flaps, rules_.allowed), rules_.first, rules_.longest);
 }
 
 }  // namespace metronome

@@ -4,6 +4,8 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "learner/doubling.h"
+
 namespace metronome {
 namespace {
 
@@ -200,7 +202,7 @@ void OrderLedger::GiveUpLost(TimePoint now) {
     if (actor.given_up.size() > kGivenUpKept) {
       actor.given_up.erase(actor.given_up.begin(), actor.given_up.end() - kGivenUpKept);
     }
-    actor.rests_until = now + RestAfter(++actor.silences);
+    actor.rests_until = now + Doubling(++actor.silences, rules_.first_rest, rules_.longest_rest);
   }
 }
 
@@ -209,12 +211,6 @@ std::chrono::nanoseconds OrderLedger::LostAfter(const Outstanding& out) const {
   const std::uint32_t tries = number == numbers_.end() ? 1 : number->second.tries;
   const std::uint32_t doublings = std::min(std::max(tries, 1U) - 1, kMostDoublings);
   return Scaled(rules_.lost_factor * double(1U << doublings));
-}
-
-std::chrono::milliseconds OrderLedger::RestAfter(std::uint32_t silences) const {
-  std::chrono::milliseconds rest = rules_.first_rest;
-  for (std::uint32_t i = 1; i < silences && rest < rules_.longest_rest; ++i) rest *= 2;
-  return std::min(rest, rules_.longest_rest);
 }
 
 void OrderLedger::PlanOpen(TimePoint now, std::vector<Assignment>& plan) {

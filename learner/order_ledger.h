@@ -145,7 +145,6 @@ class OrderLedger {
                                     const std::function<bool(const Actor&)>& may_be_asked);
   void GiveUpLost(TimePoint now);
   [[nodiscard]] std::chrono::nanoseconds LostAfter(const Outstanding& out) const;
-  [[nodiscard]] std::chrono::milliseconds RestAfter(std::uint32_t silences) const;
   void PlanOpen(TimePoint now, std::vector<Assignment>& plan);
   void PlanLate(TimePoint now, std::vector<Assignment>& plan);
   [[nodiscard]] std::chrono::nanoseconds Scaled(double factor) const;

@@ -154,7 +154,7 @@ class Team:
                 return
         except AssertionError:  # it lives
             # Who was cut off when the run ended has not heard of it, and says what it waits for.
-            if any(text in actor.lines[-1] for text in ("no learner for run", "is gone: waiting")):
+            if self.waits(name) > 0:
                 actor.signal(signal.SIGTERM)
                 if actor.wait(10) == 128 + signal.SIGTERM:
                     return

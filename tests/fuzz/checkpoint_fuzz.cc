@@ -4,7 +4,6 @@
 #include <string>
 
 #include "common/checkpoint.h"
-#include "common/sha256.h"
 #include "tests/fuzz/checkpoint_frame.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
