@@ -83,4 +83,14 @@ class ActorBus {
   virtual void Close(std::chrono::milliseconds timeout) = 0;
 };
 
+using ObserverEvent = std::variant<LearnerStatus, RunDescription, LearnerLost, BadSample>;
+
+/// The end of someone who watches: it writes nothing, so that nobody reckons with it. Thread-safe.
+class ObserverBus {
+ public:
+  virtual ~ObserverBus() = default;
+  /// Next event, oldest first; std::nullopt at the deadline.
+  virtual std::optional<ObserverEvent> Wait(Clock::time_point deadline) = 0;
+};
+
 }  // namespace metronome

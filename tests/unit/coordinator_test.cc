@@ -378,7 +378,7 @@ TEST(CoordinatorTest, ARunWithoutActorsWaitsWithoutPolling) {
   FakeRun run;
   run.bus.CallAfter(seconds(3600), [&] { run.coordinator->RequestStop(SIGINT); });
   EXPECT_EQ(run.Run(), 130);
-  EXPECT_LT(run.bus.waits, 3600 + 3600 / 5 + 20);  // a call for actors every five seconds
+  EXPECT_LT(run.bus.waits, 3600 + 3600 / 5 + 20);  // a status a second, a call for actors every five
 }
 
 TEST(CoordinatorTest, AnActorThatComesLateIsServed) {
