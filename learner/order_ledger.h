@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -22,10 +23,13 @@ struct OrderRules {
   std::uint64_t first_version = 0;         // updates made before this process
   std::uint32_t orders_per_slot = 2;       // so that no slot waits for a round trip
   double late_factor = 3;                  // of the median duration: another idle slot is asked too
-  double lost_factor = 9;                  // of the median duration: the order is given up
+  double lost_factor = 9;                  // of the median: given up; doubled for each further try
   std::chrono::milliseconds least_late{250};       // shorter lateness is noise
   std::chrono::milliseconds first_estimate{2000};  // of the median, before any was measured
-  std::uint32_t bad_answers_allowed = 10;          // in a row, by one actor
+  // An actor that gave up an order is on trial after this, doubled with each further one.
+  std::chrono::milliseconds first_rest{1000};
+  std::chrono::milliseconds longest_rest{60'000};
+  std::uint32_t bad_answers_allowed = 10;  // in a row, by one actor
 };
 
 /// Numbers to be sent to one actor, all to be played under one weights version.
@@ -123,6 +127,7 @@ class OrderLedger {
     State state = State::kOpen;
     std::vector<std::uint64_t> holders;  // actors that play it, latest last
     std::vector<std::uint64_t> asked;    // every actor that was ever asked for it
+    std::uint32_t tries = 0;             // times that it was handed out
   };
   struct Outstanding {
     std::uint64_t number = 0;
@@ -134,9 +139,14 @@ class OrderLedger {
     // The first `slots` are being played, the others wait. May hold numbers that left the ledger:
     // what was late and came from elsewhere keeps its slot busy none the less.
     std::vector<Outstanding> out;
+    std::vector<Outstanding> given_up;  // the last few orders; they may come yet
     std::uint32_t bad_in_a_row = 0;
-    bool silent = false;     // gave up an order and has brought nothing since
-    TimePoint trusted_from;  // see Join
+    std::uint32_t silences = 0;  // times that it gave up orders since it last brought something
+    TimePoint rests_until;       // because of them: then one order is its trial
+    TimePoint trusted_from;      // see Join
+    [[nodiscard]] bool IsReliable(TimePoint now) const {
+      return rests_until <= now && trusted_from <= now;
+    }
   };
   using ActorMap = std::map<std::uint64_t, Actor>;
 
@@ -147,8 +157,10 @@ class OrderLedger {
   void HandOut(std::uint64_t number, ActorMap::value_type& actor, TimePoint now,
                std::vector<Assignment>& plan);
   ActorMap::value_type* LeastLoaded(std::uint32_t orders_per_slot, const Number& number,
-                                    TimePoint now);
+                                    const std::function<bool(const Actor&)>& may_be_asked);
   void GiveUpLost(TimePoint now);
+  [[nodiscard]] std::chrono::nanoseconds LostAfter(const Outstanding& out) const;
+  [[nodiscard]] std::chrono::milliseconds RestAfter(std::uint32_t silences) const;
   void PlanOpen(TimePoint now, std::vector<Assignment>& plan);
   void PlanLate(TimePoint now, std::vector<Assignment>& plan);
   [[nodiscard]] std::chrono::nanoseconds Scaled(double factor) const;

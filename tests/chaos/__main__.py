@@ -9,9 +9,7 @@ machine is a network namespace of its own, so this needs root.
 
 import argparse
 import collections
-import contextlib
 import csv
-import subprocess
 import sys
 import tempfile
 import time
@@ -19,21 +17,9 @@ from pathlib import Path
 
 from conductor import Conductor
 from faults import plan
-from team import UPDATES, Failed, Team, namespaces
+from team import UPDATES, Failed, Team, namespaces, small_disk
 
-DISK = "48m"  # of a run, so that it can be filled
-
-
-@contextlib.contextmanager
-def small_disk(folder):
-    folder.mkdir(parents=True)
-    subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", f"size={DISK}", "tmpfs", folder], check=True
-    )
-    try:
-        yield folder
-    finally:
-        subprocess.run(["umount", folder], check=True)
+LONGEST_SILENCE = 10.0  # seconds between updates of a run that could go on; longer ones are failures
 
 
 def say(text):
@@ -47,15 +33,19 @@ def curve(team):
     return [{k: v for k, v in row.items() if k != "fps" and "wall_" not in k} for row in rows]
 
 
-def one_run(folder, faults, options, verbose=False):
+def one_run(folder, faults, options):
     """@return (conductor, weights_sha256, curve, seconds)."""
     started = time.monotonic()
-    with small_disk(folder) as disk, Team(disk / "runs", options=options.learner) as team:
+    with small_disk(folder, "48m") as disk, Team(disk / "runs", options=options.learner) as team:
         team.start_learner()
         for name in team.actor_hosts:
             team.start_actor(name)
-        conductor = Conductor(team, faults(team), say if verbose else lambda text: None)
-        digest = conductor.conduct()
+        conductor = Conductor(team, faults(team), say if options.verbose else lambda text: None)
+        try:
+            digest = conductor.conduct()
+        finally:
+            if options.logs:
+                team.write_logs(options.logs / folder.name)
         say(team.done["accounting"])
         return conductor, digest, curve(team), time.monotonic() - started
 
@@ -71,6 +61,7 @@ def parse_arguments():
     )
     parser.add_argument("--seeds", type=parse_seeds, default=range(1, 21), help="[1-20]")
     parser.add_argument("--faults", type=int, default=16, help="in each run [16]")
+    parser.add_argument("--logs", type=Path, help="where the logs of all processes go, by seed")
     parser.add_argument("--verbose", action="store_true", help="tell each fault as it begins")
     parser.add_argument(
         "learner", nargs="*", help="options of the learner, after --: -- --set collection.overlap=1"
@@ -92,14 +83,13 @@ def main():
                     Path(folder) / str(seed),
                     lambda team: plan(seed, options.faults, team.actor_hosts, UPDATES),
                     options,
-                    options.verbose,
                 )
             except Failed as failure:
                 bad += 1
                 say(f"seed {seed}: FAILED: {failure}")
                 continue
             equal = digest == calm and rows == calm_curve
-            bad += not equal
+            bad += not equal or conductor.longest_silence > LONGEST_SILENCE
             struck.update(fault.name for fault in conductor.struck)
             silences.append(conductor.longest_silence)
             say(

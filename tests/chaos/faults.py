@@ -6,7 +6,7 @@ import os
 import random
 import signal
 
-from team import RUN, Failed
+from team import Failed
 
 LONGEST = 5.0  # seconds
 LONGEST_TRY = 15.0  # of what ends once it has struck

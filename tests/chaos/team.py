@@ -1,7 +1,9 @@
 """A learner and its actors, each on a machine of its own, and who of them is meant to be there."""
 
+import contextlib
 import json
 import queue
+import re
 import shutil
 import signal
 import subprocess
@@ -29,11 +31,25 @@ class Failed(Exception):
     """What must not happen in a run, happened."""
 
 
-class Team:
-    """@param folder  of the run's folder; removed first."""
+@contextlib.contextmanager
+def small_disk(folder, size):
+    """A new file system at `folder`, so small that it can be filled. @param size  e.g. "48m"."""
+    folder.mkdir(parents=True)
+    subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", folder], check=True)
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", folder], check=True)
 
-    def __init__(self, folder, actors=3, options=(), domain=0):
+
+class Team:
+    """@param folder    of the run's folder; removed first.
+    @param options   more of the learner's.
+    @param training  the options that decide what is learnt."""
+
+    def __init__(self, folder, actors=3, options=(), training=TRAINING, domain=0):
         self.folder, self.options, self.domain = Path(folder), tuple(options), domain
+        self.training = tuple(training)
         shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True)
         self.events = queue.Queue()  # ("update", n, when), ("said", line)
@@ -73,7 +89,7 @@ class Team:
         self.learner = self._start(
             self.learner_host,
             *(harness.LEARNER, "run", "--run", RUN, "--runs", self.folder, "--progress", "json"),
-            *("--domain", self.domain, "--network", "lan", *TRAINING, *self.options, *resume),
+            *("--domain", self.domain, "--network", "lan", *self.training, *self.options, *resume),
             on_line=self._hear,
         )
 
@@ -93,6 +109,7 @@ class Team:
 
     def _start(self, host, *command, on_line=None):
         process = harness.Process(host.process(*command), on_line)
+        process.name = f"{host.host_name}-{Path(command[0]).name}"
         self.all.append(process)
         return process
 
@@ -104,6 +121,12 @@ class Team:
             self.events.put(("update", said["update"], time.monotonic()))
         else:
             self.events.put(("said", line, time.monotonic()))
+
+    def waits(self, name):
+        """@return for how many seconds the actor has been without a learner, as it says."""
+        lines = self.actors[name].lines
+        said = re.search(r"(no learner for|is gone: waiting).*\((\d+) s", lines[-1] if lines else "")
+        return float(said[2]) if said else 0.0
 
     def check(self, learner_expected, actors_expected):
         """Restarts a learner that ended for a reason that passes; raises Failed for any other end.
@@ -136,6 +159,11 @@ class Team:
                 if actor.wait(10) == 128 + signal.SIGTERM:
                     return
         raise Failed(f"{name} did not end well: {actor}")
+
+    def write_logs(self, folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        for number, process in enumerate(self.all):
+            (folder / f"{number:02}-{process.name}.log").write_text(f"{process}\n")
 
     def close(self):
         for process in self.all:

@@ -98,13 +98,20 @@ class Process:
             lambda line: parse_json(line) if parse_json(line).get("event") == name else None, f"event {name}"
         )
 
-    def expect_update(self, number):
+    def updates(self):
+        """@return how many updates the learner has told of so far."""
+        with self._changed:
+            told = [parse_json(line) for line in self.lines]
+        return max((said["update"] for said in told if "update" in said), default=0)
+
+    def expect_update(self, number, seconds=DEADLINE):
         """Waits for the learner's word that `number` updates or more are done."""
         return self.expect(
             lambda line: parse_json(line)
             if parse_json(line).get("update", -1) >= number and "event" not in parse_json(line)
             else None,
             f"update {number}",
+            seconds,
         )
 
     def wait(self, seconds=DEADLINE):

@@ -88,10 +88,8 @@ class Host(Namespace):
         self._tables += 1
         table = f"{self.port}-{self._tables}"
         ways = {"from": ["iifname"], "to": ["oifname"], "both": ["iifname", "oifname"]}[direction]
-        rules = "; ".join(
-            f'{way} "{self.port}" numgen random mod 1000 < {round(share * 1000)} counter drop'
-            for way in ways
-        )
+        which = "" if share >= 1 else f"numgen random mod 1000 < {round(share * 1000)} "
+        rules = "; ".join(f'{way} "{self.port}" {which}counter drop' for way in ways)
         chain = f"chain lossy {{ type filter hook forward priority 0; {rules}; }}"
         self.router.run("nft", f"table inet {table} {{ {chain}; }}")
         return table
