@@ -37,6 +37,7 @@ void Collector::OnStatus(const ActorStatus& status, TimePoint now) {
   if (names_.insert_or_assign(status.actor_id, name).second) {
     Welcome(status, name, trusted_from, now);
   }
+  last_words_[status.actor_id] = {now, status.episodes_done, status.steps_per_second};
   ledger_.Join(status.actor_id, name, status.slots, now, trusted_from);
   WarnOfManySlots();
 }
@@ -89,6 +90,7 @@ void Collector::OnLost(std::uint64_t actor_id, TimePoint now) {
                  orders > 0 ? "; its " + std::to_string(orders) + " orders go to others" : "");
   }
   names_.erase(actor_id);
+  last_words_.erase(actor_id);
 }
 
 void Collector::OnEpisode(EpisodeMessage message, TimePoint now) {
@@ -167,6 +169,34 @@ void Collector::Complain(const std::string& text, TimePoint now) {
 std::string Collector::NameOf(std::uint64_t actor_id) const {
   const auto name = names_.find(actor_id);
   return name != names_.end() ? name->second : "unknown actor " + std::to_string(actor_id);
+}
+
+std::vector<ActorReport> Collector::ReportActors(TimePoint now) const {
+  const auto seconds_since = [now](TimePoint then) {
+    return std::chrono::duration<double>(now - then).count();
+  };
+  std::vector<ActorReport> reports;
+  for (const OrderLedger::ActorOrders& actor : ledger_.OrdersByActor(now)) {
+    ActorReport report;
+    report.name = actor.name;
+    report.slots = actor.slots;
+    report.orders = actor.orders;
+    if (actor.oldest) report.oldest_order_seconds = seconds_since(*actor.oldest);
+    report.on_probation = !actor.trusted;
+    report.unanswering = actor.silent;
+    if (const auto said = last_words_.find(actor.actor_id); said != last_words_.end()) {
+      report.episodes_done = said->second.episodes_done;
+      report.steps_per_second = said->second.steps_per_second;
+      report.silent_seconds = seconds_since(said->second.heard);
+    }
+    const auto& by_actor = ledger_.counts().by_actor;
+    if (const auto counts = by_actor.find(actor.name); counts != by_actor.end()) {
+      report.accepted = counts->second.accepted;
+      report.rejected = counts->second.rejected;
+    }
+    reports.push_back(std::move(report));
+  }
+  return reports;
 }
 
 void Collector::AddSnapshot(PolicySnapshot snapshot) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <stdexcept>
+#include <utility>
 
 #include "learner/doubling.h"
 
@@ -327,8 +328,27 @@ std::chrono::nanoseconds OrderLedger::Scaled(double factor) const {
 }
 
 bool OrderLedger::IsComplete(std::uint64_t batch) const {
+  return AcceptedOf(batch) == rules_.episodes_per_update;
+}
+
+std::uint64_t OrderLedger::AcceptedOf(std::uint64_t batch) const {
   const auto accepted = accepted_of_batch_.find(batch);
-  return accepted != accepted_of_batch_.end() && accepted->second == rules_.episodes_per_update;
+  return accepted == accepted_of_batch_.end() ? 0 : accepted->second;
+}
+
+std::vector<OrderLedger::ActorOrders> OrderLedger::OrdersByActor(TimePoint now) const {
+  std::vector<ActorOrders> all;
+  for (const auto& [id, actor] : actors_) {
+    ActorOrders view{id,           actor.name,
+                     actor.slots,  actor.out.size(),
+                     std::nullopt, actor.trusted_from <= now,
+                     actor.silent};
+    for (const Outstanding& out : actor.out) {
+      if (!view.oldest || out.since < *view.oldest) view.oldest = out.since;
+    }
+    all.push_back(std::move(view));
+  }
+  return all;
 }
 
 std::uint64_t OrderLedger::slots() const {

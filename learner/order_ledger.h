@@ -100,6 +100,21 @@ class OrderLedger {
   /// All E episodes of the batch are accepted.
   [[nodiscard]] bool IsComplete(std::uint64_t batch) const;
 
+  /// Episodes of the batch that are accepted so far.
+  [[nodiscard]] std::uint64_t AcceptedOf(std::uint64_t batch) const;
+
+  /// One actor's orders, for people who watch.
+  struct ActorOrders {
+    std::uint64_t actor_id = 0;
+    std::string name;
+    std::uint32_t slots = 0;
+    std::uint64_t orders = 0;         // outstanding
+    std::optional<TimePoint> oldest;  // since when it could have played the oldest of them
+    bool trusted = true;
+    bool silent = false;  // gave up an order and has brought nothing since
+  };
+  [[nodiscard]] std::vector<ActorOrders> OrdersByActor(TimePoint now) const;
+
   [[nodiscard]] std::size_t actors() const { return actors_.size(); }
   [[nodiscard]] std::uint64_t slots() const;
   [[nodiscard]] const LedgerCounts& counts() const { return counts_; }

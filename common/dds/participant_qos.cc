@@ -111,7 +111,8 @@ fdds::DomainParticipantQos ParticipantQos(const BusOptions& options, const std::
   qos.transport().user_transports.push_back(UdpTransport(options.network));
   qos.transport().send_socket_buffer_size = kSocketBufferBytes;
   qos.transport().listen_socket_buffer_size = kSocketBufferBytes;
-  SetDiscovery(options, role == kActorRole, &qos.wire_protocol());
+  const bool finds_learners_alone = role == kActorRole || role == kObserverRole;
+  SetDiscovery(options, finds_learners_alone, &qos.wire_protocol());
   if (options.transport == Transport::kSharedMemory) AddSharedMemory(&qos);
   return qos;
 }

@@ -106,6 +106,15 @@ TEST(DdsHostileTest, SnapshotsOfAnyBytesAreReportedAndSurvived) {
   EXPECT_GE(*bad, 200);
 }
 
+TEST(DdsHostileTest, LearnerStatusesOfAnyBytesAreReportedAndSurvived) {
+  const BusOptions options = FreshRun();
+  const auto observer = MakeDdsObserverBus(options);
+  const auto bad = BadSamplesBefore<wire::LearnerStatusPubSubType>(
+      options, *observer, dds::kLearnerStatusTopic, SomeLearnerStatus(3));
+  ASSERT_TRUE(bad);
+  EXPECT_GE(*bad, kSurelyBad);
+}
+
 TEST(DdsHostileTest, OrdersOfAnyBytesAreSurvived) {
   const BusOptions options = FreshRun();
   const auto actor = MakeDdsActorBus(options, 11);

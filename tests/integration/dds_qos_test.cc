@@ -67,6 +67,7 @@ TEST(DdsQosTest, LiveEndpointsHaveTheQualityOfServiceOfTheTable) {
                                           {volatile_kind, all, 4096, 1024});
   ExpectQos<wire::EpisodePubSubType>(dds::kEpisodeTopic, {volatile_kind, all, 32, 256});
   ExpectQos<wire::ActorStatusPubSubType>(dds::kActorStatusTopic, {volatile_kind, last, 4, 256});
+  ExpectQos<wire::LearnerStatusPubSubType>(dds::kLearnerStatusTopic, {transient, last, 1, 8});
 }
 
 TEST(DdsQosTest, ParticipantsAreLostAfterTheirLease) {
