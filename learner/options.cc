@@ -44,6 +44,8 @@ constexpr FieldOption kFieldOptions[] = {
     {"--network", "runtime.network", "W",
      "Who can join: loopback (this machine), lan, or the peers' addresses separated by commas"},
     {"--threads", "runtime.learner_threads", "N", "Threads of an update; 0: all cores"},
+    {"--audit", "runtime.audit_share", "X",
+     "Share of episodes, 0 to 1, that two actors play and that must agree bit for bit"},
     {"--checkpoint-every", "runtime.checkpoint_every", "N", "Updates between checkpoints"},
 };
 

@@ -151,6 +151,12 @@ def _parser():
         help="who can join: this machine only (default), the local network, or named hosts",
     )
     parser.add_argument(
+        "--audit",
+        metavar="X",
+        help="share of episodes, 0 to 1, that two actors play and that must agree bit for bit "
+        "(default 0)",
+    )
+    parser.add_argument(
         "--runs",
         type=Path,
         metavar="DIR",
@@ -235,6 +241,7 @@ def learner_command(options):
         "domain",
         "transport",
         "network",
+        "audit",
     ):
         value = getattr(options, name)
         if value is not None:
