@@ -1,5 +1,6 @@
 """The tables of growth.md: {name: function of costs and the most cores to simulate, giving Markdown}."""
 
+import dataclasses
 import math
 
 from measured import ACTOR_BYTES, EPISODE_BYTES, STEPS, Figures
@@ -13,8 +14,8 @@ PRESETS = {  # README.md, deploy/wide.textproto
 
 def markdown(header, lines):
     rule = "| --- |" + " ---: |" * (len(header) - 1)
-    return "\n".join(["| " + " | ".join(map(str, line)) + " |" if line != rule else rule
-                      for line in (header, rule, *lines)])
+    head, *body = ("| " + " | ".join(map(str, line)) + " |" for line in (header, *lines))
+    return "\n".join([head, rule, *body])
 
 
 def rounded(value, digits=3):
@@ -69,7 +70,6 @@ def measured_intakes():
 
 def simulated_intake(costs, processes, slots, share):
     """Episodes a second of one batch that costs actors next to nothing to play."""
-    import dataclasses  # noqa: PLC0415
     ready = dataclasses.replace(costs, step=1e-4 / STEPS)
     plan = Plan(cores=processes * slots, slots=slots, gigabits=1000, episodes=2048, minibatches=1, epochs=0,
                 check_share=share)
@@ -102,9 +102,9 @@ def capacities(costs):
     for share in (1, 0.05):
         seconds = costs.handle + share * costs.check
         yield (f"coordinator and check, share {share}", an_episode / seconds, f"{1e3 * seconds:.2f} ms an episode")
-    for participants in (16, 100, 1000):
+    for participants in (1, 16, 100, 1000):
         seconds = costs.receive + participants * costs.fanout
-        yield (f"receiving, {participants} participants", an_episode / seconds, f"{1e3 * seconds:.2f} ms an episode")
+        yield (f"receiving, orders heard by {participants}", an_episode / seconds, f"{1e3 * seconds:.2f} ms an episode")
     for gigabits in (1, 10, 100):
         seconds = EPISODE_BYTES * 8 / (gigabits * 1e9)
         yield f"link of {gigabits} Gbit/s", an_episode / seconds, f"{1e3 * seconds:.3g} ms an episode"
@@ -150,27 +150,28 @@ def today(costs, most_cores):
 
 # --- What would answer it -------------------------------------------------------------------------
 
-STEPS_TAKEN = [  # each on top of those before
-    ("today", {}),
-    ("64 update threads", dict(threads=64)),
-    ("orders reach their actor alone", dict(narrow_orders=True)),
-    ("4 checking threads", dict(checkers=4)),
-    ("4 intakes", dict(intakes=4)),
-    ("a relay for 16 processes", dict(relay=16)),
-    ("8 learners, 10 Gbit/s, 50 us", dict(learners=8)),
-    ("8 learners, 100 Gbit/s, 5 us", dict(gigabits=100, exchange=5e-6)),
-    ("4 epochs for 10", dict(epochs=4)),
-]
+ANSWERS = {
+    "64 update threads for 16": dict(threads=64),
+    "8 learners for one, 100 Gbit/s, 5 us": dict(learners=8, gigabits=100, exchange=5e-6),
+    "4 epochs for 10": dict(epochs=4),
+    "orders that reach their actor alone": dict(narrow_orders=True),
+    "4 intakes for one": dict(intakes=4),
+}
 
 
 def designs(costs, most_cores):
+    """What each is worth where all others are there: without it the run is so much slower."""
+    everything = {name: value for change in ANSWERS.values() for name, value in change.items()}
+    relayed = everything | {"narrow_orders": False, "relay": 16}
+    cases = {"today": {}, "all of these": everything, "relays of 16 processes for such orders": relayed}
+    for answer, change in ANSWERS.items():
+        cases[f"all but {answer}"] = {name: value for name, value in everything.items() if name not in change}
     sizes = [cores for cores in (100, 1000, 10000) if cores <= most_cores]
-    lines, taken = [], {}
-    for name, change in STEPS_TAKEN:
-        taken |= change
+    lines = []
+    for name, changes in cases.items():
         line = [name]
         for cores in sizes:
-            plan = big(cores, **taken)
+            plan = big(cores, **changes)
             found = simulate(plan, costs, updates_of(plan))
             line += [rounded(found.steps_per_second), found.limit]
         lines.append(line)
@@ -197,13 +198,13 @@ def presence(costs, most_cores):
     lines = []
     for slots in (1, 4, 16, 64):
         line = [slots]
-        for cores in (100, 1000, 10000):
+        for cores in (1000, 10000):
             participants = math.ceil(cores / slots)
-            line += [participants, percent(participants * costs.presence), rounded(1e3 * participants * costs.broadcast, 2),
-                     rounded(participants * ACTOR_BYTES / 1e6, 2)]
+            line += [participants, percent(participants * costs.presence), rounded(participants * costs.join, 2),
+                     rounded(1e3 * participants * costs.broadcast, 2), rounded(participants * ACTOR_BYTES / 1e6, 2)]
         lines.append(line)
-    return markdown(["slots a process", *(text for cores in (100, 1000, 10000) for text in (
-        f"{cores} cores: processes", "presence, of a core", "a version, ms", "MB"))], lines)
+    return markdown(["slots a process", *(text for cores in (1000, 10000) for text in (
+        f"{cores} cores: processes", "presence", "joining, s", "a version, ms", "MB"))], lines)
 
 
 TABLES = {"validation": validation, "capacity": capacity, "today": today, "designs": designs, "learners": learners,
