@@ -94,8 +94,8 @@ def test_its_user_and_folder_of_runs_are_those_of_the_manifest():
     (user,) = [words[1] for words in stages()[-1] if words[0] == "USER"]
     number, group = user.split(":")
     assert f"runAsUser: {number}" in MANIFEST and f"fsGroup: {group}" in MANIFEST
-    (volume,) = [words[1] for words in stages()[-1] if words[0] == "VOLUME"]
-    assert f"mountPath: {volume}" in MANIFEST
+    (folder,) = re.findall(rf"install -d -o {number} -g {group} (\S+)", TEXT)
+    assert f"mountPath: {folder}" in MANIFEST
 
 
 def test_the_packages_it_installs_hold_every_library_of_the_programs():
