@@ -19,6 +19,7 @@
 
 #include "common/dds/actor_filter.h"
 #include "common/dds/participant_qos.h"
+#include "common/dds/security.h"
 
 namespace metronome::dds {
 namespace {
@@ -111,6 +112,7 @@ ParticipantKey ParticipantOf(const fdds::InstanceHandle_t& endpoint) {
 
 Participant::Participant(const BusOptions& options, const std::string& role) {
   CheckBusOptions(options);
+  CheckIdentity(options, role);
   SendLogToStandardError();
   SwitchIntraprocessDeliveryOff();
   WarnWithoutANetwork(options.network);

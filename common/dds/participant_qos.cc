@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "common/dds/security.h"
 #include "common/dds/shared_memory.h"
 
 namespace metronome::dds {
@@ -114,6 +115,7 @@ fdds::DomainParticipantQos ParticipantQos(const BusOptions& options, const std::
   const bool finds_learners_alone = role == kActorRole || role == kObserverRole;
   SetDiscovery(options, finds_learners_alone, &qos.wire_protocol());
   if (options.transport == Transport::kSharedMemory) AddSharedMemory(&qos);
+  if (!options.security.empty()) AddSecurity(options.security, &qos.properties());
   return qos;
 }
 
