@@ -339,10 +339,13 @@ std::uint64_t OrderLedger::AcceptedOf(std::uint64_t batch) const {
 std::vector<OrderLedger::ActorOrders> OrderLedger::OrdersByActor(TimePoint now) const {
   std::vector<ActorOrders> all;
   for (const auto& [id, actor] : actors_) {
-    ActorOrders view{id,           actor.name,
-                     actor.slots,  actor.out.size(),
-                     std::nullopt, actor.trusted_from <= now,
-                     actor.silent};
+    ActorOrders view{id,
+                     actor.name,
+                     actor.slots,
+                     actor.out.size(),
+                     std::nullopt,
+                     actor.trusted_from <= now,
+                     actor.silences > 0};
     for (const Outstanding& out : actor.out) {
       if (!view.oldest || out.since < *view.oldest) view.oldest = out.since;
     }

@@ -92,7 +92,7 @@ def _parser():
         help="episodes that each actor plays at once (default 1)",
     )
     parser.add_argument(
-        "--steps", type=_whole(1), metavar="S", help="environment steps in all (default 1500000)"
+        "--steps", type=_whole(1), metavar="S", help="environment steps in all (default 2000000)"
     )
     parser.add_argument(
         "--seed",

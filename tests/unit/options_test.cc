@@ -202,7 +202,7 @@ TEST_F(OptionsTest, HelpNamesEveryOptionWithItsDefaultAndExitsZero) {
                                  "--method",
                                  "--heads",
                                  "--steps",
-                                 "[default: 1500000]",
+                                 "[default: 2000000]",
                                  "--seed",
                                  "--horizon",
                                  "--placements",
