@@ -44,7 +44,8 @@ constexpr FieldOption kFieldOptions[] = {
     {"--network", "runtime.network", "W",
      "Who can join: loopback (this machine), lan, or the peers' addresses separated by commas"},
     {"--security", "runtime.security", "DIR",
-     "The learner's identity, made by deploy/security: only the run's own identities take part, all "
+     "The learner's identity, made by deploy/security: only the run's own identities take part, "
+     "all "
      "is encrypted [default: none]"},
     {"--threads", "runtime.learner_threads", "N", "Threads of an update; 0: all cores"},
     {"--checkpoint-every", "runtime.checkpoint_every", "N", "Updates between checkpoints"},

@@ -182,6 +182,7 @@ RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
   facts.domain = options.config.runtime().domain();
   facts.transport = options.config.runtime().transport();
   facts.network = options.config.runtime().network();
+  facts.security = options.config.runtime().security();
   return facts;
 }
 

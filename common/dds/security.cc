@@ -186,9 +186,7 @@ Grant ReadGrant(const std::string& folder) {
   };
   Grant found;
   found.subject = text_of(grant, "subject_name");
-  found.role = grant.ToElement()->Attribute("name", nullptr) == nullptr
-                   ? "unnamed"
-                   : grant.ToElement()->Attribute("name");
+  if (const char* role = grant.ToElement()->Attribute("name")) found.role = role;
   found.domain = text_of(rule.FirstChildElement("domains"), "id");
   found.run =
       text_of(rule.FirstChildElement("subscribe").FirstChildElement("partitions"), "partition");
@@ -211,8 +209,8 @@ void CheckGrant(const std::string& folder, const BusOptions& options, const std:
                        " (--domain; deploy/security --domain makes others)");
   }
   if (grant.role != role) {
-    Reject(folder, "is the identity of an " + std::string(grant.role) + ": this is the " + role +
-                       " and needs one of its own, made by deploy/security");
+    Reject(folder, "is an identity for the role \"" + grant.role + "\": this process is the " +
+                       role + " and needs one of that role, made by deploy/security");
   }
 }
 
@@ -229,13 +227,6 @@ void CheckIdentity(const BusOptions& options, const std::string& role) {
   CheckKey(folder, certificate.get());
   ReadSigned(folder, kGovernance);
   CheckGrant(folder, options, role, SubjectOf(certificate.get()));
-}
-
-std::chrono::system_clock::time_point IdentityExpiry(const std::string& folder) {
-  const Certificate certificate = ReadCertificate(PathOf(folder, kCertificate));
-  std::tm parts{};
-  ASN1_TIME_to_tm(X509_get0_notAfter(certificate.get()), &parts);
-  return std::chrono::system_clock::from_time_t(timegm(&parts));
 }
 
 namespace dds {

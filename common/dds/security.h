@@ -2,7 +2,6 @@
 
 #include <fastdds/rtps/attributes/PropertyPolicy.h>
 
-#include <chrono>
 #include <string>
 
 #include "common/dds/bus_options.h"
@@ -18,9 +17,6 @@ namespace metronome {
 ///         missing or unreadable, expired, revoked, not signed by its authority, or of another
 ///         key, run, domain or role.
 void CheckIdentity(const BusOptions& options, const std::string& role);
-
-/// When the certificate in a checked folder ends.
-std::chrono::system_clock::time_point IdentityExpiry(const std::string& folder);
 
 namespace dds {
 

@@ -86,8 +86,14 @@ def role_of(name):
     return name if name in ("learner", "observer") else "actor"
 
 
+def _compact(text):
+    """Without indentation: permissions travel in one datagram of a limited size
+    (common/dds/participant_qos.cc)."""
+    return "\n".join(line.strip() for line in text.splitlines())
+
+
 def governance(domain):
-    return _GOVERNANCE.format(domain=domain)
+    return _compact(_GOVERNANCE.format(domain=domain))
 
 
 def permissions(name, subject, run, domain, begin, end):
@@ -103,6 +109,13 @@ def permissions(name, subject, run, domain, begin, end):
         for what, topics in (("publish", _PUBLISH[role]), ("subscribe", _SUBSCRIBE[role]))
         if topics
     ]
-    return _PERMISSIONS.format(
-        role=role, subject=subject, domain=domain, begin=begin, end=end, topics="\n".join(criteria)
+    return _compact(
+        _PERMISSIONS.format(
+            role=role,
+            subject=subject,
+            domain=domain,
+            begin=begin,
+            end=end,
+            topics="\n".join(criteria),
+        )
     )
