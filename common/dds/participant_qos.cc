@@ -111,6 +111,7 @@ void AddSharedMemory(fdds::DomainParticipantQos* qos) {
 fdds::DomainParticipantQos ParticipantQos(const BusOptions& options, const std::string& role) {
   fdds::DomainParticipantQos qos = fdds::PARTICIPANT_QOS_DEFAULT;
   qos.name("metronome-" + role + " " + options.run_name);
+  if (!options.security.empty()) AddSecurity(options.security, &qos.properties());
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(UdpTransport(options));
   qos.transport().send_socket_buffer_size = kSocketBufferBytes;
@@ -118,7 +119,6 @@ fdds::DomainParticipantQos ParticipantQos(const BusOptions& options, const std::
   const bool finds_learners_alone = role == kActorRole || role == kObserverRole;
   SetDiscovery(options, finds_learners_alone, &qos.wire_protocol());
   if (options.transport == Transport::kSharedMemory) AddSharedMemory(&qos);
-  if (!options.security.empty()) AddSecurity(options.security, &qos.properties());
   return qos;
 }
 

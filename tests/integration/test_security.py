@@ -11,7 +11,7 @@ import pytest
 
 import capture
 import namespaces
-from harness import ACTOR, LEARNER, ROOT, SMALL, parse_json
+from harness import ACTOR, BUILD, LEARNER, ROOT, SMALL, parse_json
 from test_clocks import LIBRARY, Clock
 
 sys.path.insert(0, str(ROOT / "deploy" / "credentials"))
@@ -192,6 +192,30 @@ def test_an_actor_cannot_give_itself_the_permissions_of_a_learner(
     for pretender in pretenders:
         assert pretender.updates() == 0, pretender
         assert "joins" not in pretender.text, pretender
+
+
+def test_an_actor_that_escapes_its_own_checks_is_not_heard_as_a_learner(
+    stage, identities, tmp_path
+):
+    """Genuine identity and permissions; the rules that make its own side refuse are loosened."""
+    own = authority.Authority.make(tmp_path / "own", "run", stage.domain)
+    folder = shutil.copytree(identities / "actor-0", tmp_path / "loose")
+    with open(folder / authority.PERMISSIONS_CA, "ab") as known:
+        known.write(own._permissions.pem())
+    rules = roles.governance(stage.domain).replace(
+        "<enable_write_access_control>true", "<enable_write_access_control>false"
+    )
+    (folder / authority.GOVERNANCE).write_bytes(own._permissions.sign(rules))
+    learner = stage.learner("run", *secured(identities / "learner"))
+    learner.expect_event("started")
+
+    def intrude(topic):
+        process = stage.start(BUILD / "bin" / "dds_intruder", "run", stage.domain, folder, topic)
+        assert process.wait() == 0, process
+        return process.output[-1].strip()
+
+    assert intrude("episode") == "is read"  # which an actor may write
+    assert intrude("run_description") == "is not read"
 
 
 def test_a_learner_is_not_started_by_the_identity_of_an_actor(stage, identities):
