@@ -48,6 +48,8 @@ constexpr FieldOption kFieldOptions[] = {
      "all "
      "is encrypted [default: none]"},
     {"--threads", "runtime.learner_threads", "N", "Threads of an update; 0: all cores"},
+    {"--audit", "runtime.audit_share", "X",
+     "Share of episodes, 0 to 1, that two actors play and that must agree bit for bit"},
     {"--checkpoint-every", "runtime.checkpoint_every", "N", "Updates between checkpoints"},
 };
 

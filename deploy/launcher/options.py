@@ -158,6 +158,12 @@ def _parser():
         "or added to, by deploy/security",
     )
     parser.add_argument(
+        "--audit",
+        metavar="X",
+        help="share of episodes, 0 to 1, that two actors play and that must agree bit for bit "
+        "(default 0)",
+    )
+    parser.add_argument(
         "--runs",
         type=Path,
         metavar="DIR",
@@ -243,6 +249,7 @@ def learner_command(options):
         "domain",
         "transport",
         "network",
+        "audit",
     ):
         value = getattr(options, name)
         if value is not None:
