@@ -7,6 +7,7 @@
 #include "common/build_info.h"
 #include "common/cli_parse.h"
 #include "common/config.h"
+#include "common/dds/security.h"
 #include "common/logging.h"
 #include "common/near_miss.h"
 #include "common/task_names.h"
@@ -79,6 +80,9 @@ void AddRun(CLI::App& app, Typed& typed) {
                   "udp, or shm: shared memory between processes of this machine")
       ->check(OneOf("transport", {"udp", "shm"}))
       ->capture_default_str();
+  run->add_option("--security", typed.run.bus.security,
+                  "This actor's identity, a folder that deploy/security made, for a run that has "
+                  "--security [none]");
   run->add_flag("--stay", typed.run.stay,
                 "When the run is finished, wait for the next one of that name; never give up "
                 "unless --learner-timeout says so");
@@ -191,6 +195,7 @@ RunOptions Judge(Typed typed) {
   typed.run.bus.network = ParseNetwork(typed.network);
   CheckRunName(typed.run.bus.run_name);
   CheckBusOptions(typed.run.bus);
+  CheckIdentity(typed.run.bus, "actor");
   return typed.run;
 }
 

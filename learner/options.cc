@@ -43,6 +43,10 @@ constexpr FieldOption kFieldOptions[] = {
     {"--transport", "runtime.transport", "X", "udp or shm (shared memory)"},
     {"--network", "runtime.network", "W",
      "Who can join: loopback (this machine), lan, or the peers' addresses separated by commas"},
+    {"--security", "runtime.security", "DIR",
+     "The learner's identity, made by deploy/security: only the run's own identities take part, "
+     "all "
+     "is encrypted [default: none]"},
     {"--threads", "runtime.learner_threads", "N", "Threads of an update; 0: all cores"},
     {"--audit", "runtime.audit_share", "X",
      "Share of episodes, 0 to 1, that two actors play and that must agree bit for bit"},
@@ -133,6 +137,10 @@ void AddStatusOptions(CLI::App& command, StatusOptions& options) {
                   "Where the learner is: loopback (this machine), lan, or addresses separated by "
                   "commas [default: loopback]")
       ->type_name("W");
+  command
+      .add_option("--security", options.security,
+                  "An observer's identity, for a run that has --security [default: none]")
+      ->type_name("DIR");
   command.add_flag("--json", options.json, "As one JSON object a line");
   command.add_flag("--follow", options.follow, "Again each second, until the run ends or Ctrl-C");
   command

@@ -20,6 +20,7 @@ struct RunFacts {
   std::string network;            // how actors join: domain, transport, network
   std::string transport;
   std::uint32_t domain = 0;
+  std::string security;  // folder of the learner's identity; empty: none
 };
 
 /// What `run` says on standard output: lines for people, one JSON object a line for programs, or

@@ -18,6 +18,7 @@
 #include "common/config.h"
 #include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
+#include "common/dds/security.h"
 #include "common/logging.h"
 #include "common/signal_watch.h"
 #include "learner/background.h"
@@ -77,7 +78,9 @@ BusOptions BusOptionsOf(const RunOptions& options) {
   bus.domain = options.config.runtime().domain();
   bus.transport = ParseTransport(options.config.runtime().transport());
   bus.network = ParseNetwork(options.config.runtime().network());
+  bus.security = options.config.runtime().security();
   CheckBusOptions(bus);
+  CheckIdentity(bus, "learner");
   return bus;
 }
 
@@ -166,6 +169,7 @@ CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
   if (config.runtime().network() != "loopback") {
     setup.how_to_join += " --network " + config.runtime().network();
   }
+  if (!config.runtime().security().empty()) setup.how_to_join += " --security DIR/ACTOR";
   return setup;
 }
 
@@ -179,6 +183,7 @@ RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
   facts.domain = options.config.runtime().domain();
   facts.transport = options.config.runtime().transport();
   facts.network = options.config.runtime().network();
+  facts.security = options.config.runtime().security();
   return facts;
 }
 

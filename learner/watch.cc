@@ -26,6 +26,7 @@ BusOptions BusOptionsOf(const StatusOptions& options) {
   bus.domain = options.domain;
   bus.transport = ParseTransport(options.transport);
   bus.network = ParseNetwork(options.network);
+  bus.security = options.security;
   CheckBusOptions(bus);
   return bus;
 }
@@ -79,7 +80,8 @@ int Watch(const StatusOptions& options) {
   if (!newest) {
     spdlog::error(
         "no learner of run {} is heard within {} s (domain {}, network {}): is it running, and "
-        "were --run, --domain and --network the same there? On another machine it must have been "
+        "were --run, --domain, --network and the authority of --security the same there? On "
+        "another machine it must have been "
         "started with --network lan or with peers",
         options.run, options.wait_seconds, options.domain, options.network);
     return kExitNoLearner;

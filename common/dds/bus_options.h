@@ -40,6 +40,8 @@ struct BusOptions {
   std::uint32_t domain = 0;  // 0..232
   Transport transport = Transport::kUdp;
   Network network;
+  /// Folder of an identity that deploy/security made; empty: neither encrypted nor authenticated.
+  std::string security;
   /// How long the learner's destructor waits for the last description to be acknowledged.
   std::chrono::milliseconds close_timeout{2000};
 };

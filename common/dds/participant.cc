@@ -7,6 +7,7 @@
 #include <net/if.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/log/Log.hpp>
@@ -19,6 +20,7 @@
 
 #include "common/dds/actor_filter.h"
 #include "common/dds/participant_qos.h"
+#include "common/dds/security.h"
 
 namespace metronome::dds {
 namespace {
@@ -53,7 +55,7 @@ void SendLogToStandardError() {
 /// that one finds it cleared and asserts (PDP::check_remote_participant_liveliness): seen at the
 /// end of every other run with 64 actors. The callback comes before the clearing; without the flag
 /// the timers' thread looks no further. It is set again whenever the object is used again.
-class LeaseRaceGuard final : public fdds::DomainParticipantListener {
+class LeaseRaceGuard : public fdds::DomainParticipantListener {
  public:
   void on_participant_discovery(
       fdds::DomainParticipant* /*participant*/,
@@ -68,10 +70,28 @@ class LeaseRaceGuard final : public fdds::DomainParticipantListener {
   }
 };
 
-/// Stateless; outlives all participants.
-fdds::DomainParticipantListener* TheLeaseRaceGuard() {
-  static LeaseRaceGuard guard;
-  return &guard;
+/// Says that somebody was turned away, who to himself and to others looks like one that is not
+/// there. A few times a process: outsiders try again for ever.
+class SecurityLog final : public LeaseRaceGuard {
+ public:
+  void onParticipantAuthentication(
+      fdds::DomainParticipant* /*participant*/,
+      eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override {
+    if (info.status == info.AUTHORIZED_PARTICIPANT || times_++ >= kMostTimes) return;
+    spdlog::warn(
+        "turned away a process of this DDS domain whose identity is not good here: it has no "
+        "--security, or one that another authority made, or that is expired or revoked");
+  }
+
+ private:
+  static constexpr int kMostTimes = 3;
+  std::atomic<int> times_{0};
+};
+
+/// Outlives all participants.
+fdds::DomainParticipantListener* TheListener() {
+  static SecurityLog listener;
+  return &listener;
 }
 
 /// Whether an interface other than loopback runs and has an IPv4 address.
@@ -111,6 +131,7 @@ ParticipantKey ParticipantOf(const fdds::InstanceHandle_t& endpoint) {
 
 Participant::Participant(const BusOptions& options, const std::string& role) {
   CheckBusOptions(options);
+  CheckIdentity(options, role);
   SendLogToStandardError();
   SwitchIntraprocessDeliveryOff();
   WarnWithoutANetwork(options.network);
@@ -119,8 +140,8 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
   }
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   participant_ = Made(
-      factory->create_participant(options.domain, ParticipantQos(options, role),
-                                  TheLeaseRaceGuard(), fdds::StatusMask::none()),
+      factory->create_participant(options.domain, ParticipantQos(options, role), TheListener(),
+                                  fdds::StatusMask::none()),
       "participant in domain " + std::to_string(options.domain) + " (are its UDP ports free?)");
   if (memory_) memory_->Write();
   try {

@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "common/dds/security.h"
 #include "common/dds/shared_memory.h"
 
 namespace metronome::dds {
@@ -23,6 +24,9 @@ constexpr std::uint32_t kSegmentBytes = 16 << 20;  // a history of episodes and 
 // KB of loopback IP makes 45 fragments, and each that is lost costs them all: at 5 % loss one
 // datagram of ten arrives, at 20 % none ever does.
 constexpr std::uint32_t kDatagramBytes = 1400;
+// Fast DDS does not cut the messages of its handshake, which carry certificate and permissions: 4.6
+// KB, 5.9 KB with the longest names, more on hosts of many addresses. Five packets a datagram then.
+constexpr std::uint32_t kSecureDatagramBytes = 7392;
 // Participants a machine that unicast discovery without a port reaches.
 constexpr std::uint32_t kParticipantsPerPeer = 16;
 // Actors take the ports behind those: what is sent to the well-known ones finds learners alone.
@@ -40,15 +44,15 @@ rtps::Locator_t UdpLocator(const std::string& address, std::uint32_t port) {
   return locator;
 }
 
-std::shared_ptr<fdds_rtps::TransportDescriptorInterface> UdpTransport(const Network& network) {
+std::shared_ptr<fdds_rtps::TransportDescriptorInterface> UdpTransport(const BusOptions& options) {
   auto udp = std::make_shared<fdds_rtps::UDPv4TransportDescriptor>();
   udp->sendBufferSize = kSocketBufferBytes;
   udp->receiveBufferSize = kSocketBufferBytes;
   udp->maxInitialPeersRange = kParticipantsPerPeer;
-  if (network.scope == Network::Scope::kLoopback) {
+  if (options.network.scope == Network::Scope::kLoopback) {
     udp->interfaceWhiteList.emplace_back(kLoopbackAddress);
   } else {
-    udp->maxMessageSize = kDatagramBytes;
+    udp->maxMessageSize = options.security.empty() ? kDatagramBytes : kSecureDatagramBytes;
   }
   return udp;
 }
@@ -107,8 +111,9 @@ void AddSharedMemory(fdds::DomainParticipantQos* qos) {
 fdds::DomainParticipantQos ParticipantQos(const BusOptions& options, const std::string& role) {
   fdds::DomainParticipantQos qos = fdds::PARTICIPANT_QOS_DEFAULT;
   qos.name("metronome-" + role + " " + options.run_name);
+  if (!options.security.empty()) AddSecurity(options.security, &qos.properties());
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(UdpTransport(options.network));
+  qos.transport().user_transports.push_back(UdpTransport(options));
   qos.transport().send_socket_buffer_size = kSocketBufferBytes;
   qos.transport().listen_socket_buffer_size = kSocketBufferBytes;
   const bool finds_learners_alone = role == kActorRole || role == kObserverRole;

@@ -151,6 +151,13 @@ def _parser():
         help="who can join: this machine only (default), the local network, or named hosts",
     )
     parser.add_argument(
+        "--security",
+        type=Path,
+        metavar="DIR",
+        help="only identities of the run's own authority take part, all is encrypted; DIR is made, "
+        "or added to, by deploy/security",
+    )
+    parser.add_argument(
         "--audit",
         metavar="X",
         help="share of episodes, 0 to 1, that two actors play and that must agree bit for bit "
@@ -201,6 +208,7 @@ def parse(arguments):
     if options.resume and not options.named:
         parser.error("--resume needs --run NAME: the run to go on with")
     options.runs = options.runs.absolute()
+    options.security = options.security and options.security.absolute()
     options.run = options.run or _fresh_name(options)
     options.folder = options.runs / options.run
     if options.resume and not options.folder.is_dir():
@@ -246,13 +254,15 @@ def learner_command(options):
         value = getattr(options, name)
         if value is not None:
             command += [f"--{name}", str(value)]
+    if options.security is not None:
+        command += ["--security", str(options.security / "learner")]
     for assignment in options.set:
         command += ["--set", assignment]
     command += ["--resume"] if options.resume else []
     return command + (["--new-total"] if options.new_total else [])
 
 
-def actor_command(options, started):
+def actor_command(options, index, started):
     """An actor's command line; `started` is what the learner said when it accepted the run."""
     command = [
         str(options.build / "bin" / "metronome-actor"),
@@ -266,6 +276,8 @@ def actor_command(options, started):
         value = started.get(name, getattr(options, name))
         if value is not None:
             command += [f"--{name}", str(value)]
+    if started.get("security"):  # of a run gone on with, too
+        command += ["--security", str(Path(started["security"]).parent / f"actor-{index}")]
     return command
 
 
