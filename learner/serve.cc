@@ -210,7 +210,7 @@ int Serve(const RunOptions& options, StopTarget& target) {
 }  // namespace
 
 int ServeRun(const RunOptions& options) {
-  SetUpLogging("learner", options.log_level);
+  SetUpLogging("learner", options.log);
   // Whoever reads our output may leave; the run goes on.
   std::signal(SIGPIPE, SIG_IGN);
   StopTarget target;
