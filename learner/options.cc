@@ -44,6 +44,9 @@ constexpr FieldOption kFieldOptions[] = {
     {"--network", "runtime.network", "W",
      "Who can join: loopback (this machine), lan, or the peers' addresses separated by commas"},
     {"--threads", "runtime.learner_threads", "N", "Threads of an update; 0: all cores"},
+    {"--metrics", "runtime.metrics", "[H:]PORT",
+     "Show the learner's status to Prometheus at http://H:PORT/metrics; H 127.0.0.1 unless given, "
+     "port 0 any free one [default: off]"},
     {"--checkpoint-every", "runtime.checkpoint_every", "N", "Updates between checkpoints"},
 };
 

@@ -151,6 +151,11 @@ def _parser():
         help="who can join: this machine only (default), the local network, or named hosts",
     )
     parser.add_argument(
+        "--metrics",
+        metavar="[HOST:]PORT",
+        help="show the run to Prometheus there (default off; HOST 127.0.0.1 unless given)",
+    )
+    parser.add_argument(
         "--runs",
         type=Path,
         metavar="DIR",
@@ -235,6 +240,7 @@ def learner_command(options):
         "domain",
         "transport",
         "network",
+        "metrics",
     ):
         value = getattr(options, name)
         if value is not None:

@@ -112,6 +112,8 @@ TEST_F(OptionsTest, EveryOptionReachesItsField) {
                                 "3",
                                 "--checkpoint-every",
                                 "7",
+                                "--metrics",
+                                "0.0.0.0:9464",
                                 "--progress",
                                 "json",
                                 "--log-level",
@@ -133,6 +135,7 @@ TEST_F(OptionsTest, EveryOptionReachesItsField) {
   EXPECT_EQ(config.runtime().network(), "lan");
   EXPECT_EQ(config.runtime().learner_threads(), 3);
   EXPECT_EQ(config.runtime().checkpoint_every(), 7);
+  EXPECT_EQ(config.runtime().metrics(), "0.0.0.0:9464");
   EXPECT_EQ(config.ppo().clip(), 0.1);
   EXPECT_EQ(config.policy().hidden_size(), 2);
 }
@@ -195,11 +198,12 @@ TEST_F(OptionsTest, HelpNamesEveryOptionWithItsDefaultAndExitsZero) {
   ASSERT_TRUE(std::holds_alternative<int>(parsed));
   EXPECT_EQ(std::get<int>(parsed), 0);
   for (const std::string text :
-       {"--run",       "--runs-dir",         "--resume",    "--new-total", "--progress",
-        "--log-level", "--log-format",       "--task",      "--method",    "--heads",
-        "--steps",     "[default: 1500000]", "--seed",      "--horizon",   "--placements",
-        "--goal",      "--domain",           "--transport", "--network",   "[default: loopback]",
-        "--threads",   "--checkpoint-every", "--config",    "--set",       "bin-picking"}) {
+       {"--run",       "--runs-dir",         "--resume",    "--new-total",    "--progress",
+        "--log-level", "--log-format",       "--task",      "--method",       "--heads",
+        "--steps",     "[default: 1500000]", "--seed",      "--horizon",      "--placements",
+        "--goal",      "--domain",           "--transport", "--network",      "[default: loopback]",
+        "--threads",   "--checkpoint-every", "--metrics",   "[default: off]", "--config",
+        "--set",       "bin-picking"}) {
     EXPECT_NE(out_.find(text), std::string::npos) << text;
   }
 }
