@@ -57,6 +57,7 @@ const std::map<std::string, Range>& Ranges() {
       {"runtime.checkpoint_every", {1, kUnbounded}},
       {"runtime.checkpoint_keep", {1, kUnbounded}},
       {"runtime.milestone_every", {0, kUnbounded}},
+      {"runtime.audit_share", {0, 1}},
   };
   return ranges;
 }

@@ -13,7 +13,8 @@ enum class RandomPurpose : std::uint64_t {
   kEvaluate = 2,
   kInitialise = 3,
   kShuffle = 4,
-  kHeadOrder = 5
+  kHeadOrder = 5,
+  kAudit = 6
 };
 
 /// Which draw inside a train or evaluate episode; see RandomStream's `t`.

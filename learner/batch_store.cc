@@ -45,6 +45,12 @@ const Episode* BatchStore::Find(std::uint64_t number) const {
   return index < taken_->size() ? &(*taken_)[index] : nullptr;
 }
 
+std::optional<Episode> BatchStore::Withdraw(std::uint64_t number) {
+  auto entry = making_.extract(number);
+  if (entry.empty()) return std::nullopt;
+  return std::move(entry.mapped());
+}
+
 BatchStore::Batch BatchStore::Take(std::uint64_t version) {
   std::vector<Episode> batch;
   batch.reserve(episodes_per_update_);

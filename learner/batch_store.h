@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/episode.h"
@@ -28,6 +29,9 @@ class BatchStore {
   void Put(Episode episode);
   /// The kept episode of this number, or nullptr: it is in the making, or of a batch long past.
   [[nodiscard]] const Episode* Find(std::uint64_t number) const;
+
+  /// Takes a kept episode out again. @return nothing if it is not there, or has been taken.
+  std::optional<Episode> Withdraw(std::uint64_t number);
 
   /// Batch `version` in number order; it stays findable until the next one is taken.
   /// @throws std::logic_error unless it is complete.

@@ -11,6 +11,7 @@ namespace {
 constexpr std::size_t kMaxNumbersPerOrder = 1024;  // idl/metronome.idl
 constexpr std::size_t kMaxRefusals = 4096;         // remembered; whoever floods us is forgotten
 constexpr std::size_t kSnapshotsKept = 2;
+constexpr std::chrono::seconds kAuditPatience{5};  // with who is to play an episode again
 
 }  // namespace
 
@@ -22,6 +23,7 @@ Collector::Collector(LearnerBus& bus, const Learning& learning, const RunDescrip
       episodes_per_update_(rules.episodes_per_update),
       admission_(description, digest),
       ledger_(rules),
+      audit_(rules.audit),
       batches_(rules.episodes_per_update, rules.updates_total, rules.first_version) {}
 
 void Collector::OnStatus(const ActorStatus& status, TimePoint now) {
@@ -29,10 +31,16 @@ void Collector::OnStatus(const ActorStatus& status, TimePoint now) {
     SendRefusal(status.actor_id, refusal->second);
     return;
   }
-  const Admission::Decision decision = admission_.Judge(status);
-  if (decision.verdict == Admission::Verdict::kRefuse) RefuseActor(status, decision.reason, now);
-  if (decision.verdict != Admission::Verdict::kAdmit) return;
   const std::string name = status.host + ":" + std::to_string(status.pid);
+  if (const auto excluded = excluded_.find(status.host); excluded != excluded_.end()) {
+    RefuseActor(status.actor_id, name, excluded->second, now);
+    return;
+  }
+  const Admission::Decision decision = admission_.Judge(status);
+  if (decision.verdict == Admission::Verdict::kRefuse) {
+    RefuseActor(status.actor_id, name, decision.reason, now);
+  }
+  if (decision.verdict != Admission::Verdict::kAdmit) return;
   const TimePoint trusted_from = flaps_.Join(status.actor_id, status.host, now);
   if (names_.insert_or_assign(status.actor_id, name).second) {
     Welcome(status, name, trusted_from, now);
@@ -63,14 +71,14 @@ void Collector::WarnOfManySlots() {
       slots, episodes_per_update_);
 }
 
-void Collector::RefuseActor(const ActorStatus& status, const std::string& reason, TimePoint now) {
-  const std::string text =
-      "learner refuses actor " + status.host + ":" + std::to_string(status.pid) + ": " + reason;
+void Collector::RefuseActor(std::uint64_t actor_id, const std::string& name,
+                            const std::string& reason, TimePoint now) {
+  const std::string text = "learner refuses actor " + name + ": " + reason;
   spdlog::error("{}", text);
-  ledger_.Refuse(status.actor_id, now);
+  ledger_.Refuse(actor_id, now);
   if (refusals_.size() >= kMaxRefusals) refusals_.clear();
-  refusals_[status.actor_id] = text;
-  SendRefusal(status.actor_id, text);
+  refusals_[actor_id] = text;
+  SendRefusal(actor_id, text);
 }
 
 void Collector::SendRefusal(std::uint64_t actor_id, const std::string& reason) {
@@ -119,6 +127,10 @@ void Collector::Judge(Episode episode, std::uint64_t actor_id, TimePoint now) {
   const std::uint64_t number = episode.number;
   const PolicySnapshot& snapshot = snapshots_.at(ledger_.BehaviourVersion(number));
   const std::optional<std::string> reason = learning_.Check(episode, snapshot);
+  if (!reason && (audit_.IsChosen(number) || audit_.IsPending(number))) {
+    Hear(std::move(episode), actor_id, now);
+    return;
+  }
   if (!reason) {
     ledger_.Accept(number, actor_id);
     batches_.Put(std::move(episode));
@@ -128,13 +140,67 @@ void Collector::Judge(Episode episode, std::uint64_t actor_id, TimePoint now) {
                " is dropped and ordered again: " + *reason,
            now);
   if (!ledger_.Reject(number, actor_id, *reason)) return;
-  ledger_.Refuse(actor_id, now);
-  const std::string text = "learner refuses actor " + NameOf(actor_id) +
-                           ": it keeps sending episodes that cannot be right, the last because " +
-                           *reason;
-  spdlog::error("{}", text);
-  refusals_[actor_id] = text;
-  SendRefusal(actor_id, text);
+  RefuseActor(actor_id, NameOf(actor_id),
+              "it keeps sending episodes that cannot be right, the last because " + *reason, now);
+}
+
+// Of an episode that is audited: what stands is what two agree on.
+void Collector::Hear(Episode episode, std::uint64_t actor_id, TimePoint now) {
+  const std::uint64_t number = episode.number;
+  Audit::Verdict verdict = audit_.Hear({actor_id, ledger_.HostOf(actor_id), std::move(episode)});
+  ledger_.AskAnother(number, actor_id, verdict.disputed);
+  if (verdict.settled) {
+    ledger_.AcceptHeard(number, verdict.settled->actor_id, std::move(verdict.vouchers));
+    batches_.Put(std::move(verdict.settled->episode));
+  } else if (!audit_.IsPending(number)) {
+    ledger_.Reopen(number);
+  }
+  for (const std::string& host : verdict.guilty) ExcludeHost(host, number, now);
+  if (!verdict.disputed) return;
+  spdlog::error(
+      "AUDIT: the host of {} and another one differ on episode {}; a further host decides{}",
+      NameOf(actor_id), number,
+      ledger_.HasOther(number) ? "" : ", and the run waits for it: start an actor there");
+}
+
+// Where nobody else can play an audited episode the run goes on without: it is counted. But first
+// it waits a little: others may be on their way, at the start or after a fall.
+// @return when to try again.
+std::optional<Collector::TimePoint> Collector::SettleLonely(TimePoint now) {
+  std::vector<std::uint64_t> lonely;
+  for (const std::uint64_t number : audit_.Pending()) {
+    if (audit_.IsDisputed(number)) continue;
+    if (!ledger_.HasOther(number)) {
+      lonely.push_back(number);
+    } else {
+      lonely_since_.reset();
+    }
+  }
+  if (lonely.empty()) return std::nullopt;
+  if (!lonely_since_) lonely_since_ = now;
+  if (now < *lonely_since_ + kAuditPatience) return *lonely_since_ + kAuditPatience;
+  for (const std::uint64_t number : lonely) {
+    Audit::Opinion only = audit_.SettleAlone(number);
+    ledger_.AcceptHeard(number, only.actor_id, {only.host});
+    batches_.Put(std::move(only.episode));
+  }
+  return std::nullopt;
+}
+
+// Nothing that only this host vouches for enters an update from here on.
+void Collector::ExcludeHost(const std::string& host, std::uint64_t number, TimePoint now) {
+  const std::string reason = "host " + host + " computes wrongly: on episode " +
+                             std::to_string(number) +
+                             " it differs from what other hosts agree on, or from itself";
+  if (!excluded_.emplace(host, reason).second) return;
+  spdlog::error("AUDIT: {}; it is excluded from this run", reason);
+  for (const auto& [actor_id, name] : names_) {
+    if (ledger_.HostOf(actor_id) == host) RefuseActor(actor_id, name, reason, now);
+  }
+  for (const std::uint64_t unheard : audit_.Forget(host)) ledger_.Reopen(unheard);
+  for (const std::uint64_t doubtful : ledger_.OnTheWordOf(host)) {
+    if (batches_.Withdraw(doubtful)) ledger_.Reopen(doubtful);
+  }
 }
 
 void Collector::OnDuplicate(const Episode& episode, std::uint64_t actor_id, TimePoint now) {
@@ -207,7 +273,21 @@ void Collector::AddSnapshot(PolicySnapshot snapshot) {
 
 void Collector::CountEntered(const std::vector<Episode>& batch) { batches_.CountEntered(batch); }
 
+std::string Collector::AuditText() const {
+  if (!audit_.on()) return "";
+  const Audit::Counts& counts = audit_.counts();
+  std::string text = "audit: " + std::to_string(counts.agreed) +
+                     " episodes were played by two actors and agree in every bit, " +
+                     std::to_string(counts.alone) + " more had nobody to play them again, " +
+                     std::to_string(counts.disputes) + " were disputed; excluded hosts: ";
+  if (excluded_.empty()) return text + "none";
+  std::string separator;
+  for (const auto& host : excluded_) text += std::exchange(separator, ", ") + host.first;
+  return text;
+}
+
 std::optional<Collector::TimePoint> Collector::SendOrders(TimePoint now) {
+  const std::optional<TimePoint> audit_due = SettleLonely(now);
   for (const Assignment& assignment : ledger_.Plan(now)) {
     EpisodeOrder order;
     order.incarnation = incarnation_;
@@ -222,7 +302,9 @@ std::optional<Collector::TimePoint> Collector::SendOrders(TimePoint now) {
       if (!bus_.Send(order)) ledger_.Lose(assignment.actor_id, now);
     }
   }
-  return ledger_.NextDeadline(now);
+  const std::optional<TimePoint> ledger_due = ledger_.NextDeadline(now);
+  if (!audit_due || !ledger_due) return audit_due ? audit_due : ledger_due;
+  return std::min(*audit_due, *ledger_due);
 }
 
 }  // namespace metronome

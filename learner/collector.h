@@ -10,6 +10,7 @@
 #include "common/bus.h"
 #include "common/messages.h"
 #include "learner/admission.h"
+#include "learner/audit.h"
 #include "learner/batch_store.h"
 #include "learner/flap_watch.h"
 #include "learner/learning.h"
@@ -57,6 +58,8 @@ class Collector {
   }
   /// The actors that are there, for people who watch.
   [[nodiscard]] std::vector<ActorReport> ReportActors(TimePoint now) const;
+  /// What the audit found, for people; empty if nothing is audited.
+  [[nodiscard]] std::string AuditText() const;
   [[nodiscard]] BatchStore::Accounting Account() const { return batches_.Account(); }
   double TakeIdleShare(TimePoint now) { return ledger_.TakeIdleShare(now); }
 
@@ -67,9 +70,13 @@ class Collector {
     std::uint64_t episodes_done = 0;
     double steps_per_second = 0;
   };
-  void RefuseActor(const ActorStatus& status, const std::string& reason, TimePoint now);
+  void RefuseActor(std::uint64_t actor_id, const std::string& name, const std::string& reason,
+                   TimePoint now);
   void SendRefusal(std::uint64_t actor_id, const std::string& reason);
   void Judge(Episode episode, std::uint64_t actor_id, TimePoint now);
+  void Hear(Episode episode, std::uint64_t actor_id, TimePoint now);
+  std::optional<TimePoint> SettleLonely(TimePoint now);
+  void ExcludeHost(const std::string& host, std::uint64_t number, TimePoint now);
   void OnDuplicate(const Episode& episode, std::uint64_t actor_id, TimePoint now);
   void Discard(std::uint64_t actor_id, const std::string& reason, TimePoint now);
   void Complain(const std::string& text, TimePoint now);
@@ -85,13 +92,16 @@ class Collector {
   Admission admission_;
   FlapWatch flaps_;
   OrderLedger ledger_;
+  Audit audit_;
   BatchStore batches_;
   std::map<std::uint64_t, PolicySnapshot> snapshots_;  // by version
   std::map<std::uint64_t, std::string> names_;         // of the actors that were admitted
   std::map<std::uint64_t, LastWords> last_words_;      // of the same
   std::map<std::uint64_t, std::string> refusals_;      // actor -> reason
+  std::map<std::string, std::string> excluded_;        // host -> reason
   LogLimit complaints_;
   std::uint64_t stale_ = 0;
+  std::optional<TimePoint> lonely_since_;  // nobody is there to play audited episodes again
   std::uint64_t slots_warned_of_ = 0;
 };
 

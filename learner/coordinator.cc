@@ -338,6 +338,7 @@ int Coordinator::EndFinished(const TrainState& state) {
   const bool exact = collector_.Account().exact();
   const std::string accounting = AccountingText();
   if (!exact) spdlog::error("{}", accounting);
+  if (const std::string audit = collector_.AuditText(); !audit.empty()) spdlog::info("{}", audit);
   record_.Finished(state, accounting);
   PublishStatus(LearnerStatus::State::kFinished);
   Farewell();

@@ -44,6 +44,8 @@ constexpr FieldOption kFieldOptions[] = {
     {"--network", "runtime.network", "W",
      "Who can join: loopback (this machine), lan, or the peers' addresses separated by commas"},
     {"--threads", "runtime.learner_threads", "N", "Threads of an update; 0: all cores"},
+    {"--audit", "runtime.audit_share", "X",
+     "Share of episodes, 0 to 1, that two actors play and that must agree bit for bit"},
     {"--metrics", "runtime.metrics", "[H:]PORT",
      "Show the learner's status to Prometheus at http://H:PORT/metrics; H 127.0.0.1 unless given, "
      "port 0 any free one [default: off]"},

@@ -13,9 +13,12 @@ namespace {
 constexpr std::size_t kGivenUpKept = 64;     // of an actor
 constexpr std::uint32_t kMostDoublings = 6;  // of the patience with an order
 
-bool Contains(const std::vector<std::uint64_t>& values, std::uint64_t value) {
+template <class Value>
+bool Contains(const std::vector<Value>& values, const Value& value) {
   return std::find(values.begin(), values.end(), value) != values.end();
 }
+
+std::string HostPart(const std::string& name) { return name.substr(0, name.rfind(':')); }
 
 }  // namespace
 
@@ -47,6 +50,7 @@ void OrderLedger::Join(std::uint64_t actor_id, const std::string& name, std::uin
   CountIdle(now);
   Actor& actor = actors_[actor_id];
   actor.name = name;
+  host_of_[actor_id] = HostPart(name);
   actor.slots = std::max<std::uint32_t>(slots, 1);
   actor.trusted_from = trusted_from;
 }
@@ -88,6 +92,7 @@ void OrderLedger::Publish(std::uint64_t version, TimePoint now) {
   CountIdle(now);
   numbers_.erase(numbers_.begin(), numbers_.lower_bound(version * rules_.episodes_per_update));
   accepted_of_batch_.erase(version_);
+  std::erase_if(host_of_, [this](const auto& actor) { return !actors_.contains(actor.first); });
   version_ = version;
   OpenBatches();
 }
@@ -98,6 +103,7 @@ OrderLedger::Standing OrderLedger::StandingOf(std::uint64_t number, std::uint64_
   if (entry == numbers_.end()) return Standing::kNotOrdered;
   if (entry->second.state == Number::State::kAccepted) return Standing::kDuplicate;
   if (entry->second.state == Number::State::kArrived) return Standing::kNotOrdered;
+  if (Contains(entry->second.heard, actor_id)) return Standing::kDuplicate;
   return Contains(entry->second.asked, actor_id) ? Standing::kWanted : Standing::kNotOrdered;
 }
 
@@ -146,11 +152,69 @@ void OrderLedger::Accept(std::uint64_t number, std::uint64_t actor_id) {
   if (entry.state != Number::State::kArrived) {
     throw std::logic_error("episode " + std::to_string(number) + " has not arrived");
   }
+  Hear(entry, actor_id);
+  AcceptHeard(number, actor_id, entry.hosts);
+}
+
+void OrderLedger::Hear(Number& number, std::uint64_t actor_id) {
+  number.heard.push_back(actor_id);
+  const std::string& host = HostOf(actor_id);
+  if (!Contains(number.hosts, host)) number.hosts.push_back(host);
+  const auto actor = actors_.find(actor_id);
+  if (actor != actors_.end()) actor->second.bad_in_a_row = 0;
+}
+
+const std::string& OrderLedger::HostOf(std::uint64_t actor_id) const {
+  static const std::string kUnknown = "unknown host";
+  const auto host = host_of_.find(actor_id);
+  return host == host_of_.end() ? kUnknown : host->second;
+}
+
+void OrderLedger::AcceptHeard(std::uint64_t number, std::uint64_t actor_id,
+                              std::vector<std::string> hosts) {
+  Number& entry = numbers_.at(number);
   entry.state = Number::State::kAccepted;
+  entry.hosts = std::move(hosts);
+  open_.erase(number);
   ++accepted_of_batch_[number / rules_.episodes_per_update];
   const auto actor = actors_.find(actor_id);
   counts_.CountAccepted(actor == actors_.end() ? "lost actors" : actor->second.name);
-  if (actor != actors_.end()) actor->second.bad_in_a_row = 0;
+}
+
+void OrderLedger::AskAnother(std::uint64_t number, std::uint64_t actor_id, bool disputed) {
+  Number& entry = numbers_.at(number);
+  Hear(entry, actor_id);
+  entry.disputed = disputed;
+  entry.state = Number::State::kOut;
+  TakeBack(number, actor_id);
+}
+
+bool OrderLedger::HasOther(std::uint64_t number) const {
+  const Number& entry = numbers_.at(number);
+  return std::any_of(actors_.begin(), actors_.end(), [&](const auto& actor) {
+    return actor.second.silences == 0 && MayPlay(entry, actor);
+  });
+}
+
+std::vector<std::uint64_t> OrderLedger::OnTheWordOf(const std::string& host) const {
+  std::vector<std::uint64_t> numbers;
+  for (const auto& [number, entry] : numbers_) {
+    const bool alone = entry.hosts.size() == 1 && entry.hosts.front() == host;
+    if (entry.state == Number::State::kAccepted && alone) numbers.push_back(number);
+  }
+  return numbers;
+}
+
+void OrderLedger::Reopen(std::uint64_t number) {
+  Number& entry = numbers_.at(number);
+  if (entry.state == Number::State::kAccepted) {
+    --accepted_of_batch_.at(number / rules_.episodes_per_update);
+  }
+  entry.heard.clear();
+  entry.hosts.clear();
+  entry.disputed = false;
+  entry.state = entry.holders.empty() ? Number::State::kOpen : Number::State::kOut;
+  if (entry.holders.empty()) open_.insert(number);
 }
 
 bool OrderLedger::Reject(std::uint64_t number, std::uint64_t actor_id, const std::string& reason) {
@@ -219,18 +283,44 @@ void OrderLedger::PlanOpen(TimePoint now, std::vector<Assignment>& plan) {
   const bool any_reliable = std::any_of(actors_.begin(), actors_.end(), [now](const auto& actor) {
     return actor.second.IsReliable(now);
   });
-  const auto may_be_asked = [&](const Actor& actor) {
-    return !any_reliable || actor.IsReliable(now);
+  const auto may_be_asked = [&](const ActorMap::value_type& actor) {
+    return !any_reliable || actor.second.IsReliable(now);
   };
-  while (!open_.empty()) {
+  for (auto next = open_.begin(); next != open_.end();) {
+    const std::uint64_t number = *next++;
     // Near the end no order waits in one actor's queue while another's slot may fall idle.
-    const bool tail = open_.size() <= slots();
-    const std::uint64_t number = *open_.begin();
+    const std::uint32_t per_slot = open_.size() <= slots() ? 1 : rules_.orders_per_slot;
+    const Number& entry = numbers_.at(number);
+    const bool again = !entry.heard.empty();
     ActorMap::value_type* actor =
-        LeastLoaded(tail ? 1 : rules_.orders_per_slot, numbers_.at(number), may_be_asked);
-    if (actor == nullptr) return;
-    HandOut(number, *actor, now, plan);
+        again ? Another(per_slot, entry) : LeastLoaded(per_slot, entry, may_be_asked);
+    if (actor != nullptr) {
+      HandOut(number, *actor, now, plan);
+    } else if (!again) {
+      return;
+    }
   }
+}
+
+bool OrderLedger::MayPlay(const Number& number, const ActorMap::value_type& actor) const {
+  return !Contains(number.heard, actor.first) &&
+         !(number.disputed && Contains(number.hosts, HostOf(actor.first)));
+}
+
+bool OrderLedger::OtherHostIsThere(const Number& number) const {
+  return std::any_of(actors_.begin(), actors_.end(), [&](const auto& actor) {
+    return actor.second.silences == 0 && !Contains(number.hosts, HostOf(actor.first));
+  });
+}
+
+// Whoever is on another host, were it busy or flapping: two processes of one machine may well make
+// the same mistake.
+OrderLedger::ActorMap::value_type* OrderLedger::Another(std::uint32_t orders_per_slot,
+                                                        const Number& number) {
+  const bool other_host = OtherHostIsThere(number);
+  return LeastLoaded(orders_per_slot, number, [&](const ActorMap::value_type& actor) {
+    return !other_host || !Contains(number.hosts, HostOf(actor.first));
+  });
 }
 
 // What is late at everyone who plays it goes to one more idle slot: the first result wins.
@@ -250,7 +340,7 @@ void OrderLedger::PlanLate(TimePoint now, std::vector<Assignment>& plan) {
     if (!everywhere) continue;
     // Anybody's: the slot is idle, and a result that comes twice does no harm.
     ActorMap::value_type* actor =
-        LeastLoaded(1, numbers_.at(number), [](const Actor&) { return true; });
+        LeastLoaded(1, numbers_.at(number), [](const ActorMap::value_type&) { return true; });
     if (actor != nullptr) HandOut(number, *actor, now, plan);
   }
 }
@@ -258,14 +348,14 @@ void OrderLedger::PlanLate(TimePoint now, std::vector<Assignment>& plan) {
 // The actor with the least orders per slot that does not play the number yet and takes another.
 OrderLedger::ActorMap::value_type* OrderLedger::LeastLoaded(
     std::uint32_t orders_per_slot, const Number& number,
-    const std::function<bool(const Actor&)>& may_be_asked) {
+    const std::function<bool(const ActorMap::value_type&)>& may_be_asked) {
   ActorMap::value_type* best = nullptr;
   for (auto& candidate : actors_) {
     const Actor& actor = candidate.second;
-    if (!may_be_asked(actor)) continue;
+    if (!may_be_asked(candidate)) continue;
     const std::size_t most = actor.silences > 0 ? 1 : std::size_t{actor.slots} * orders_per_slot;
     if (actor.out.size() >= most) continue;
-    if (Contains(number.holders, candidate.first)) continue;
+    if (Contains(number.holders, candidate.first) || !MayPlay(number, candidate)) continue;
     if (best == nullptr ||
         actor.out.size() * best->second.slots < best->second.out.size() * actor.slots) {
       best = &candidate;
@@ -278,7 +368,7 @@ void OrderLedger::HandOut(std::uint64_t number, ActorMap::value_type& actor, Tim
                           std::vector<Assignment>& plan) {
   Number& entry = numbers_.at(number);
   ++counts_.ordered;
-  if (!entry.asked.empty()) ++counts_.reordered;
+  if (!entry.asked.empty() && entry.heard.empty()) ++counts_.reordered;
   open_.erase(number);
   entry.state = Number::State::kOut;
   ++entry.tries;
@@ -339,9 +429,12 @@ std::uint64_t OrderLedger::AcceptedOf(std::uint64_t batch) const {
 std::vector<OrderLedger::ActorOrders> OrderLedger::OrdersByActor(TimePoint now) const {
   std::vector<ActorOrders> all;
   for (const auto& [id, actor] : actors_) {
-    ActorOrders view{id,           actor.name,
-                     actor.slots,  actor.out.size(),
-                     std::nullopt, actor.trusted_from <= now,
+    ActorOrders view{id,
+                     actor.name,
+                     actor.slots,
+                     actor.out.size(),
+                     std::nullopt,
+                     actor.trusted_from <= now,
                      actor.silences > 0};
     for (const Outstanding& out : actor.out) {
       if (!view.oldest || out.since < *view.oldest) view.oldest = out.since;

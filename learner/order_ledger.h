@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "learner/audit.h"
 #include "learner/duration_median.h"
 #include "learner/ledger_counts.h"
 
@@ -30,6 +31,7 @@ struct OrderRules {
   std::chrono::milliseconds first_rest{1000};
   std::chrono::milliseconds longest_rest{60'000};
   std::uint32_t bad_answers_allowed = 10;  // in a row, by one actor
+  AuditRules audit;
 };
 
 /// Numbers to be sent to one actor, all to be played under one weights version.
@@ -61,7 +63,8 @@ class OrderLedger {
   explicit OrderLedger(const OrderRules& rules);
 
   /// The actor is there (again) with so many slots; at least 1. Refused actors stay refused.
-  /// @param trusted_from  before that it is asked only if no trusted one is there.
+  /// @param name          "host:process". @param trusted_from  before that it is asked only if no
+  /// trusted one is there.
   void Join(std::uint64_t actor_id, const std::string& name, std::uint32_t slots, TimePoint now,
             TimePoint trusted_from = {});
   /// What it has not brought is open again at once. @return how many orders that were.
@@ -85,6 +88,18 @@ class OrderLedger {
   /// Opens the number again. @return true if this actor brought too many bad ones in a row: refuse
   /// it.
   bool Reject(std::uint64_t number, std::uint64_t actor_id, const std::string& reason);
+  /// In place of a verdict, after Arrive: somebody else is to play the number too, on another host
+  /// if there is one. @param disputed  hosts differ: only a host that was not heard is asked.
+  void AskAnother(std::uint64_t number, std::uint64_t actor_id, bool disputed);
+  /// An actor is there that AskAnother may ask and that answers its orders.
+  [[nodiscard]] bool HasOther(std::uint64_t number) const;
+  /// As Accept, of a number that another was asked for. @param hosts  that brought what stands.
+  void AcceptHeard(std::uint64_t number, std::uint64_t actor_id, std::vector<std::string> hosts);
+  /// Accepted numbers that no other host vouches for.
+  [[nodiscard]] std::vector<std::uint64_t> OnTheWordOf(const std::string& host) const;
+  /// The number is open as if nobody had brought it.
+  void Reopen(std::uint64_t number);
+
   /// A sample that answers no order: counted, nothing else changes.
   void Discard(std::uint64_t actor_id, const std::string& reason);
   /// A number that has been accepted before came again; if it was ordered from this actor, its slot
@@ -115,6 +130,8 @@ class OrderLedger {
   };
   [[nodiscard]] std::vector<ActorOrders> OrdersByActor(TimePoint now) const;
 
+  /// Of an actor that is there, or was while this batch is collected.
+  [[nodiscard]] const std::string& HostOf(std::uint64_t actor_id) const;
   [[nodiscard]] std::size_t actors() const { return actors_.size(); }
   [[nodiscard]] std::uint64_t slots() const;
   [[nodiscard]] const LedgerCounts& counts() const { return counts_; }
@@ -128,6 +145,9 @@ class OrderLedger {
     std::vector<std::uint64_t> holders;  // actors that play it, latest last
     std::vector<std::uint64_t> asked;    // every actor that was ever asked for it
     std::uint32_t tries = 0;             // times that it was handed out
+    std::vector<std::uint64_t> heard;    // actors that brought it: never asked again
+    std::vector<std::string> hosts;      // of those; once accepted: that brought what stands
+    bool disputed = false;               // these hosts differ
   };
   struct Outstanding {
     std::uint64_t number = 0;
@@ -151,13 +171,18 @@ class OrderLedger {
   using ActorMap = std::map<std::uint64_t, Actor>;
 
   void OpenBatches();
+  void Hear(Number& number, std::uint64_t actor_id);
   void TakeBack(std::uint64_t number, std::uint64_t actor_id);
   std::size_t Drop(std::uint64_t actor_id);
   void Release(ActorMap::value_type& actor, std::uint64_t number, TimePoint now);
   void HandOut(std::uint64_t number, ActorMap::value_type& actor, TimePoint now,
                std::vector<Assignment>& plan);
-  ActorMap::value_type* LeastLoaded(std::uint32_t orders_per_slot, const Number& number,
-                                    const std::function<bool(const Actor&)>& may_be_asked);
+  [[nodiscard]] bool MayPlay(const Number& number, const ActorMap::value_type& actor) const;
+  [[nodiscard]] bool OtherHostIsThere(const Number& number) const;
+  ActorMap::value_type* LeastLoaded(
+      std::uint32_t orders_per_slot, const Number& number,
+      const std::function<bool(const ActorMap::value_type&)>& may_be_asked);
+  ActorMap::value_type* Another(std::uint32_t orders_per_slot, const Number& number);
   void GiveUpLost(TimePoint now);
   [[nodiscard]] std::chrono::nanoseconds LostAfter(const Outstanding& out) const;
   void PlanOpen(TimePoint now, std::vector<Assignment>& plan);
@@ -173,6 +198,7 @@ class OrderLedger {
   std::set<std::uint64_t> open_;
   std::map<std::uint64_t, std::uint64_t> accepted_of_batch_;
   ActorMap actors_;
+  std::map<std::uint64_t, std::string> host_of_;  // actors of this batch, lost ones among them
   std::set<std::uint64_t> refused_;
   LedgerCounts counts_;
   DurationMedian durations_;

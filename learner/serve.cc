@@ -148,6 +148,7 @@ CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
   setup.rules.overlap = static_cast<std::uint64_t>(config.collection().overlap());
   setup.rules.first_version = start.checkpoint.state.version;
   setup.rules.updates_total = std::max(UpdatesTotal(config), setup.rules.first_version);
+  setup.rules.audit = {config.runtime().audit_share(), RandomId()};
   setup.status.task = config.environment().task();
   setup.status.host = HostName();
   setup.status.pid = static_cast<std::uint32_t>(getpid());

@@ -92,7 +92,7 @@ def _parser():
         help="episodes that each actor plays at once (default 1)",
     )
     parser.add_argument(
-        "--steps", type=_whole(1), metavar="S", help="environment steps in all (default 1500000)"
+        "--steps", type=_whole(1), metavar="S", help="environment steps in all (default 2000000)"
     )
     parser.add_argument(
         "--seed",
@@ -149,6 +149,12 @@ def _parser():
         "--network",
         metavar="loopback|lan|PEERS",
         help="who can join: this machine only (default), the local network, or named hosts",
+    )
+    parser.add_argument(
+        "--audit",
+        metavar="X",
+        help="share of episodes, 0 to 1, that two actors play and that must agree bit for bit "
+        "(default 0)",
     )
     parser.add_argument(
         "--metrics",
@@ -240,6 +246,7 @@ def learner_command(options):
         "domain",
         "transport",
         "network",
+        "audit",
         "metrics",
     ):
         value = getattr(options, name)

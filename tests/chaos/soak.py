@@ -99,7 +99,7 @@ def main():
         prog="tests/soak", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--minutes", type=float, default=60, help="[60]")
-    parser.add_argument("--csv", type=argparse.FileType("w"), default=os.devnull)
+    parser.add_argument("--csv", type=argparse.FileType("w", bufsize=1), default=os.devnull)
     parser.add_argument("--logs", type=Path, help="where the logs of all processes go")
     parser.add_argument("--verbose", action="store_true", help="tell each fault as it begins")
     options = parser.parse_args()

@@ -35,6 +35,13 @@ Messages WrongLogProb(EpisodeMessage truth, EpisodeMessage&) {
   return {std::move(truth)};
 }
 
+/// By the least that a float can differ, where no check sees it: only an audit does.
+Messages WrongReward(EpisodeMessage truth, EpisodeMessage&) {
+  float& reward = truth.episode.reward[MiddleOf(truth)];
+  reward = std::nextafter(reward, std::numeric_limits<float>::max());
+  return {std::move(truth)};
+}
+
 Messages WrongAction(EpisodeMessage truth, EpisodeMessage&) {
   truth.episode.action[MiddleOf(truth) * kActionSize] += 0.25F;
   return {std::move(truth)};
@@ -98,10 +105,12 @@ Messages NotOrdered(EpisodeMessage truth, EpisodeMessage&) {
 
 const std::vector<Spoiler::Kind>& Spoiler::Table() {
   static const std::vector<Kind> table = {
-      {"wrong-head", WrongHead},        {"not-a-number", NotANumber},  {"infinite", Infinite},
-      {"wrong-log-prob", WrongLogProb}, {"wrong-action", WrongAction}, {"too-short", TooShort},
-      {"wrong-version", WrongVersion},  {"old-run", OldRun},           {"replayed", Replayed},
-      {"renumbered", Renumbered},       {"not-ordered", NotOrdered},
+      {"wrong-head", WrongHead},       {"not-a-number", NotANumber},
+      {"infinite", Infinite},          {"wrong-log-prob", WrongLogProb},
+      {"wrong-action", WrongAction},   {"too-short", TooShort},
+      {"wrong-version", WrongVersion}, {"old-run", OldRun},
+      {"replayed", Replayed},          {"renumbered", Renumbered},
+      {"not-ordered", NotOrdered},     {"wrong-reward", WrongReward},
   };
   return table;
 }

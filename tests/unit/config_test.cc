@@ -81,7 +81,7 @@ TEST(ResolveTest, FillsEveryField) {
   EXPECT_EQ(config.policy().hidden(0), 128);
   EXPECT_EQ(config.policy().hidden(1), 128);
   EXPECT_EQ(config.ppo().minibatch(), 1000);
-  EXPECT_EQ(config.total_steps(), 1500000u);
+  EXPECT_EQ(config.total_steps(), 2000000u);
   EXPECT_NO_THROW(Validate(config));
 }
 
@@ -277,6 +277,7 @@ TEST(ValidateTest, EachNumberHasItsRange) {
       {"runtime.checkpoint_every", {"0", "-1"}, {"100"}},
       {"runtime.checkpoint_keep", {"0", "-1"}, {"1"}},
       {"runtime.milestone_every", {"-1"}, {"0", "25"}},
+      {"runtime.audit_share", {"-0.1", "1.1"}, {"0", "0.05", "1"}},
   };
   for (const Case& c : cases) {
     for (const auto& value : c.refused) {
@@ -414,9 +415,9 @@ TEST(CompareForResumeTest, DifferencesNameBothValues) {
 TEST(CompareForResumeTest, AnotherTotalIsAllowedOnlyWhenAskedFor) {
   const RunConfig old_config = Resolve(Push());
   RunConfig changed = old_config;
-  changed.set_total_steps(2000000);
+  changed.set_total_steps(3000000);
   EXPECT_EQ(CompareForResume(old_config, changed, false).at(0),
-            "total_steps: the run has 1500000, asked for 2000000 (the learning rate depends on it; "
+            "total_steps: the run has 2000000, asked for 3000000 (the learning rate depends on it; "
             "--new-total allows it)");
   EXPECT_TRUE(CompareForResume(old_config, changed, true).empty());
   changed.set_seed(9);

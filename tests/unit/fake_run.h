@@ -27,6 +27,7 @@ class FakeLearning final : public Learning {
     for (const Episode& episode : batch) {
       learnt.push_back(episode.number);
       behaviour.push_back(episode.weights_version);
+      rewards.push_back(episode.reward.at(0));
     }
     ++current.version;
     current.steps += batch.size() * 10;
@@ -52,6 +53,7 @@ class FakeLearning final : public Learning {
   std::uint64_t fail_at = 0;
   std::vector<std::uint64_t> learnt;
   std::vector<std::uint64_t> behaviour;
+  std::vector<float> rewards;
 
  private:
   static PolicySnapshot Make(std::uint64_t version) {

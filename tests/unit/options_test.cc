@@ -200,7 +200,7 @@ TEST_F(OptionsTest, HelpNamesEveryOptionWithItsDefaultAndExitsZero) {
   for (const std::string text :
        {"--run",       "--runs-dir",         "--resume",    "--new-total",    "--progress",
         "--log-level", "--log-format",       "--task",      "--method",       "--heads",
-        "--steps",     "[default: 1500000]", "--seed",      "--horizon",      "--placements",
+        "--steps",     "[default: 2000000]", "--seed",      "--horizon",      "--placements",
         "--goal",      "--domain",           "--transport", "--network",      "[default: loopback]",
         "--threads",   "--checkpoint-every", "--metrics",   "[default: off]", "--config",
         "--set",       "bin-picking"}) {
