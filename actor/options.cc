@@ -89,8 +89,12 @@ void AddRun(CLI::App& app, Typed& typed) {
   run->add_option("--learner-timeout,--wait", typed.run.learner_timeout,
                   "Seconds without a learner after which to give up (exit 3) [60]")
       ->check(CLI::Range(0.0, 1e9));
-  run->add_option("--log", typed.run.log_level, "Least severe level to log, to standard error")
+  run->add_option("--log", typed.run.log.level, "Least severe level to log, to standard error")
       ->check(OneOf("level", LogLevels()))
+      ->capture_default_str();
+  run->add_option("--log-format", typed.run.log.format,
+                  "Of the log: text, or json: one object a line")
+      ->check(OneOf("format", LogFormats()))
       ->capture_default_str();
   run->footer(
       "Exit status: 0 the run is finished, 1 refused or failed, 2 bad options or missing scene "

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "common/config.h"
+#include "common/listen_address.h"
 #include "common/near_miss.h"
 #include "common/network.h"
 #include "common/number_text.h"
@@ -194,6 +195,15 @@ void CheckNetwork(const std::string& network, Complaints& complaints) {
   }
 }
 
+void CheckMetrics(const std::string& address, Complaints& complaints) {
+  if (address.empty()) return;
+  try {
+    ParseListenAddress(address);
+  } catch (const std::invalid_argument& error) {
+    complaints.Add("runtime.metrics", "is \"" + address + "\": " + error.what());
+  }
+}
+
 void CheckRuntime(const RunConfig& config, Complaints& complaints) {
   const std::string& transport = config.runtime().transport();
   if (transport != "udp" && transport != "shm") {
@@ -201,6 +211,7 @@ void CheckRuntime(const RunConfig& config, Complaints& complaints) {
                    "is an " + UnknownName("transport", transport, {"udp", "shm"}));
   }
   CheckNetwork(config.runtime().network(), complaints);
+  CheckMetrics(config.runtime().metrics(), complaints);
 }
 
 }  // namespace

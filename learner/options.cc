@@ -50,6 +50,9 @@ constexpr FieldOption kFieldOptions[] = {
     {"--threads", "runtime.learner_threads", "N", "Threads of an update; 0: all cores"},
     {"--audit", "runtime.audit_share", "X",
      "Share of episodes, 0 to 1, that two actors play and that must agree bit for bit"},
+    {"--metrics", "runtime.metrics", "[H:]PORT",
+     "Show the learner's status to Prometheus at http://H:PORT/metrics; H 127.0.0.1 unless given, "
+     "port 0 any free one [default: off]"},
     {"--checkpoint-every", "runtime.checkpoint_every", "N", "Updates between checkpoints"},
 };
 
@@ -66,7 +69,7 @@ struct RunArguments {
   bool resume = false;
   bool new_total = false;
   std::string progress = "lines";
-  std::string log_level = "info";
+  LogOptions log;
 };
 
 std::string DefaultText(const std::string& wanted) {
@@ -119,11 +122,14 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
                   "On standard output: lines, json or none [default: " + arguments.progress + "]")
       ->type_name("X");
   command
-      .add_option("--log-level", arguments.log_level,
+      .add_option("--log-level", arguments.log.level,
                   "On standard error: " + JoinNames(LogLevels()) +
-                      " "
-                      "[default: " +
-                      arguments.log_level + "]")
+                      " [default: " + arguments.log.level + "]")
+      ->type_name("X");
+  command
+      .add_option(
+          "--log-format", arguments.log.format,
+          "Of the log: text, or json: one object a line [default: " + arguments.log.format + "]")
       ->type_name("X");
 }
 
@@ -177,6 +183,12 @@ ProgressStyle ProgressOf(const std::string& word) {
   throw ConfigError("--progress: " + UnknownName("value", word, {"lines", "json", "none"}));
 }
 
+void RequireKnown(const std::string& option, const std::string& word,
+                  const std::vector<std::string>& words) {
+  if (std::find(words.begin(), words.end(), word) != words.end()) return;
+  throw ConfigError(option + ": " + UnknownName("value", word, words));
+}
+
 RunConfig ResumedConfig(const RunArguments& run, const std::string& folder, const CLI::App& command,
                         const ConfigArguments& arguments) {
   const std::string path = ConfigPathOf(folder);
@@ -204,11 +216,9 @@ RunOptions BuildRun(const RunArguments& run, const CLI::App& command,
   options.folder = (fs::path(run.runs_dir) / run.run).string();
   options.resume = run.resume;
   options.progress = ProgressOf(run.progress);
-  options.log_level = run.log_level;
-  const auto levels = LogLevels();
-  if (std::find(levels.begin(), levels.end(), run.log_level) == levels.end()) {
-    throw ConfigError("--log-level: " + UnknownName("value", run.log_level, levels));
-  }
+  options.log = run.log;
+  RequireKnown("--log-level", run.log.level, LogLevels());
+  RequireKnown("--log-format", run.log.format, LogFormats());
   if (run.resume) {
     options.config = ResumedConfig(run, options.folder, command, arguments);
     return options;

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "common/config.pb.h"
+#include "common/logging.h"
 
 /// The command line of metronome-learner.
 namespace metronome {
@@ -18,7 +19,7 @@ struct RunOptions {
   bool resume = false;
   RunConfig config;  // resolved and valid; with `resume` the run's own, runtime as asked for
   ProgressStyle progress = ProgressStyle::kLines;
-  std::string log_level;
+  LogOptions log;
 };
 
 /// `inspect`.

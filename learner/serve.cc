@@ -25,6 +25,7 @@
 #include "learner/coordinator.h"
 #include "learner/exit_codes.h"
 #include "learner/file_run_record.h"
+#include "learner/metrics_server.h"
 #include "learner/run_folder.h"
 #include "learner/trainer_learning.h"
 
@@ -192,14 +193,24 @@ int ThreadsOf(const RunConfig& config) {
   return wanted > 0 ? wanted : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
 
+std::unique_ptr<MetricsServer> MetricsServerOf(const RunConfig& config) {
+  const std::string& address = config.runtime().metrics();
+  if (address.empty()) return nullptr;
+  return std::make_unique<MetricsServer>(ParseListenAddress(address));
+}
+
 int Serve(const RunOptions& options, StopTarget& target) {
   const BusOptions bus_options = BusOptionsOf(options);
+  const auto metrics = MetricsServerOf(options.config);
   RunFolder folder(options.folder);
   Start start = StartOf(options);
   TrainerLearning learning(options.config, start.checkpoint.state, ThreadsOf(options.config));
   start.checkpoint.incarnation = folder.NextIncarnation(start.checkpoint.incarnation);
   start.checkpoint.build = BuildIdentity();
-  const CoordinatorSetup setup = SetupOf(options, start);
+  CoordinatorSetup setup = SetupOf(options, start);
+  if (metrics) {
+    setup.on_status = [&metrics](const LearnerStatus& status) { metrics->Show(status); };
+  }
   FileRunRecord record(options.folder, std::move(start.checkpoint),
                        ProgressPrinter(options.progress, FactsOf(options, setup), std::cout));
   const auto bus = MakeDdsLearnerBus(bus_options);
@@ -216,7 +227,7 @@ int Serve(const RunOptions& options, StopTarget& target) {
 }  // namespace
 
 int ServeRun(const RunOptions& options) {
-  SetUpLogging("learner", options.log_level);
+  SetUpLogging("learner", options.log);
   // Whoever reads our output may leave; the run goes on.
   std::signal(SIGPIPE, SIG_IGN);
   StopTarget target;

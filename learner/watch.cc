@@ -93,7 +93,7 @@ int Watch(const StatusOptions& options) {
 }  // namespace
 
 int WatchRun(const StatusOptions& options) {
-  SetUpLogging("status", "info");
+  SetUpLogging("status", {});
   try {
     return Watch(options);
   } catch (const std::invalid_argument& error) {

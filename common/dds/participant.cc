@@ -11,7 +11,6 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/log/Log.hpp>
-#include <fastdds/dds/log/StdoutErrConsumer.hpp>
 #include <fastdds/dds/topic/ContentFilteredTopic.hpp>
 #include <memory>
 #include <mutex>
@@ -38,15 +37,29 @@ void Check(const eprosima::fastrtps::types::ReturnCode_t& code, const std::strin
   }
 }
 
-/// Fast DDS reports its errors on standard output by default, which belongs to results.
-void SendLogToStandardError() {
-  using fdds::Log;
+/// What Fast DDS has to say is part of our log; by default it goes to standard output, which
+/// belongs to results.
+class LogForwarder final : public fdds::LogConsumer {
+ public:
+  void Consume(const fdds::Log::Entry& entry) override {
+    log_->log(LevelOf(entry.kind), "Fast DDS, {}: {}", entry.context.category, entry.message);
+  }
+
+ private:
+  static spdlog::level::level_enum LevelOf(fdds::Log::Kind kind) {
+    if (kind == fdds::Log::Kind::Error) return spdlog::level::err;
+    return kind == fdds::Log::Kind::Warning ? spdlog::level::warn : spdlog::level::info;
+  }
+
+  // Kept: Fast DDS may have a last word when spdlog has let go of its own.
+  const std::shared_ptr<spdlog::logger> log_ = spdlog::default_logger();
+};
+
+void TakeOverLog() {
   static std::once_flag once;
   std::call_once(once, [] {
-    auto consumer = std::make_unique<fdds::StdoutErrConsumer>();
-    consumer->stderr_threshold(Log::Kind::Info);
-    Log::ClearConsumers();
-    Log::RegisterConsumer(std::move(consumer));
+    fdds::Log::ClearConsumers();
+    fdds::Log::RegisterConsumer(std::make_unique<LogForwarder>());
   });
 }
 
@@ -132,7 +145,7 @@ ParticipantKey ParticipantOf(const fdds::InstanceHandle_t& endpoint) {
 Participant::Participant(const BusOptions& options, const std::string& role) {
   CheckBusOptions(options);
   CheckIdentity(options, role);
-  SendLogToStandardError();
+  TakeOverLog();
   SwitchIntraprocessDeliveryOff();
   WarnWithoutANetwork(options.network);
   if (options.transport == Transport::kSharedMemory) {

@@ -164,6 +164,11 @@ def _parser():
         "(default 0)",
     )
     parser.add_argument(
+        "--metrics",
+        metavar="[HOST:]PORT",
+        help="show the run to Prometheus there (default off; HOST 127.0.0.1 unless given)",
+    )
+    parser.add_argument(
         "--runs",
         type=Path,
         metavar="DIR",
@@ -250,6 +255,7 @@ def learner_command(options):
         "transport",
         "network",
         "audit",
+        "metrics",
     ):
         value = getattr(options, name)
         if value is not None:

@@ -40,6 +40,13 @@ SMALL = (
 )
 
 
+def small(steps):
+    """SMALL with another number of steps."""
+    words = list(SMALL)
+    words[words.index("--steps") + 1] = str(steps)
+    return words
+
+
 class Process:
     """A child whose output is read as it comes."""
 

@@ -2,18 +2,11 @@
 
 import signal
 
-from harness import LEARNER, SMALL, UPDATES, parse_json
-
+from harness import LEARNER, UPDATES, parse_json, small
 
 
 def status(stage, run, *options):
     return stage.start(LEARNER, "status", run, "--domain", stage.domain, *options)
-
-
-def small(steps):
-    words = list(SMALL)
-    words[words.index("--steps") + 1] = str(steps)
-    return words
 
 
 def test_a_running_run_is_shown_with_its_actors_as_a_table_and_as_json(stage):
