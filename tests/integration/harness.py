@@ -167,12 +167,13 @@ class Stage:
         self.runs = folder / "runs"
         self.processes = []
 
-    def start(self, *command):
-        process = Process(command)
+    def start(self, *command, host=None):
+        """@param host  of namespaces.py, to run there; None: this machine."""
+        process = Process(host.command(*command) if host else command)
         self.processes.append(process)
         return process
 
-    def learner(self, run, *options, small=SMALL, runs=None):
+    def learner(self, run, *options, small=SMALL, runs=None, host=None):
         return self.start(
             LEARNER,
             "run",
@@ -186,10 +187,13 @@ class Stage:
             "json",
             *small,
             *options,
+            host=host,
         )
 
-    def actor(self, run, *options):
-        return self.start(ACTOR, "run", "--run", run, "--domain", self.domain, *options)
+    def actor(self, run, *options, host=None):
+        return self.start(
+            ACTOR, "run", "--run", run, "--domain", self.domain, *options, host=host
+        )
 
     def train(self, run, *options, actors=1, actor_options=(), small=SMALL):
         """A whole run: a learner and actors, each expected to end well. @return weights_sha256."""
