@@ -6,6 +6,7 @@ Nothing but routed unicast passes between two hosts: no multicast, no shared sub
 import itertools
 import os
 import subprocess
+import time
 
 _SERIAL = itertools.count()
 
@@ -31,6 +32,16 @@ class Host:
         _ip("-n", namespace, "address", "add", f"{self.address}/24", "dev", "eth0")
         _ip("-n", namespace, "link", "set", "eth0", "up")
         _ip("-n", namespace, "route", "add", "default", "via", gateway)
+        self._await_carrier()
+
+    def _await_carrier(self, seconds=10):
+        """Fast DDS announces for good the addresses of links that run when it starts: an earlier
+        process would only ever be answered on 127.0.0.1."""
+        show = ["ip", "-n", self.namespace, "-brief", "link", "show", "eth0"]
+        deadline = time.monotonic() + seconds
+        while " UP " not in subprocess.run(show, capture_output=True, text=True).stdout:
+            if time.monotonic() > deadline:
+                raise OSError(f"the link of {self.namespace} is not up after {seconds} s")
 
     def command(self, *words):
         """The command that runs `words` on this host, as one process."""
