@@ -160,6 +160,8 @@ std::optional<ActorEnd> ActorClient::Adopt(const RunDescription& description) {
   obeyed_ = description;
   waiting_since_.reset();
   steps_at_last_status_ = 0;
+  idle_since_ = Clock::now();
+  next_idle_notice_ = idle_since_ + options_.idle_notice_every;
   workers_ = std::make_unique<WorkerPool>(
       std::move(setup.players),
       [this, incarnation = description.incarnation](Episode episode) {
@@ -284,9 +286,29 @@ void ActorClient::SendStatus() {
     status.steps_per_second = static_cast<double>(steps - steps_at_last_status_) / passed;
   }
   bus_->Send(status);
+  NoticeIdleness(steps, now);
   last_status_ = now;
   steps_at_last_status_ = steps;
   next_status_ = now + options_.status_every;
+}
+
+// An actor that does nothing says what it waits for.
+void ActorClient::NoticeIdleness(std::uint64_t steps, Clock::time_point now) {
+  if (steps != steps_at_last_status_) {
+    idle_since_ = now;
+    next_idle_notice_ = now + options_.idle_notice_every;
+  }
+  if (now < next_idle_notice_ || waiting_since_) return;
+  next_idle_notice_ = now + options_.idle_notice_every;
+  if (book_.held() > 0) {
+    spdlog::info("idle for {:.0f} s: {} ordered episodes wait for their policy snapshot",
+                 Seconds(now - idle_since_), book_.held());
+  } else {
+    spdlog::info(
+        "idle for {:.0f} s: the learner of run '{}' is there and has ordered nothing (it updates, "
+        "has fewer episodes than slots, or prefers steadier actors)",
+        Seconds(now - idle_since_), options_.run_name);
+  }
 }
 
 Clock::time_point ActorClient::NextTick() const {

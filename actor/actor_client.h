@@ -24,6 +24,7 @@ struct ActorClientOptions {
   /// How long without a learner, at the start or later; std::nullopt: for ever.
   std::optional<std::chrono::milliseconds> patience = std::chrono::seconds(60);
   std::chrono::milliseconds notice_every = std::chrono::seconds(3);  // while there is no learner
+  std::chrono::milliseconds idle_notice_every = std::chrono::seconds(10);  // without an order
   std::chrono::milliseconds status_every = std::chrono::seconds(1);
   // Who this is, for the learner.
   std::uint64_t actor_id = 0;
@@ -81,6 +82,7 @@ class ActorClient {
   void LeaveRun();
   void Deliver(std::uint64_t incarnation, Episode episode);
   void SendStatus();
+  void NoticeIdleness(std::uint64_t steps, Clock::time_point now);
   [[nodiscard]] Clock::time_point NextTick() const;
 
   ActorBus* const bus_;
@@ -99,6 +101,8 @@ class ActorClient {
   Clock::time_point next_status_;
   Clock::time_point last_status_;
   std::uint64_t steps_at_last_status_ = 0;
+  Clock::time_point idle_since_;  // nothing was played or ordered since
+  Clock::time_point next_idle_notice_;
   OrderBook book_;
   std::unique_ptr<WorkerPool> workers_;  // of obeyed_
 };

@@ -45,6 +45,8 @@ class LearnerBus {
   virtual void Publish(const RunDescription& description) = 0;
   /// Late joiners get the last two versions. Blocks at most a second on full histories.
   virtual void Publish(const PolicySnapshot& snapshot) = 0;
+  /// For whoever watches; the last one is kept for late joiners.
+  virtual void Publish(const LearnerStatus& status) = 0;
   /// Queues an order for the actor it names. @return false if that actor is not connected.
   virtual bool Send(const EpisodeOrder& order) = 0;
   /// Next event, oldest first; std::nullopt at the deadline. Events queue bounded: a slow caller
@@ -79,6 +81,16 @@ class ActorBus {
   virtual void Wake() = 0;
   /// Unblocks Send; waits at most `timeout` until what was sent is acknowledged.
   virtual void Close(std::chrono::milliseconds timeout) = 0;
+};
+
+using ObserverEvent = std::variant<LearnerStatus, RunDescription, LearnerLost, BadSample>;
+
+/// The end of someone who watches: it writes nothing, so that nobody reckons with it. Thread-safe.
+class ObserverBus {
+ public:
+  virtual ~ObserverBus() = default;
+  /// Next event, oldest first; std::nullopt at the deadline.
+  virtual std::optional<ObserverEvent> Wait(Clock::time_point deadline) = 0;
 };
 
 }  // namespace metronome

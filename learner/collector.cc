@@ -33,11 +33,24 @@ void Collector::OnStatus(const ActorStatus& status, TimePoint now) {
   if (decision.verdict == Admission::Verdict::kRefuse) RefuseActor(status, decision.reason, now);
   if (decision.verdict != Admission::Verdict::kAdmit) return;
   const std::string name = status.host + ":" + std::to_string(status.pid);
+  const TimePoint trusted_from = flaps_.Join(status.actor_id, status.host, now);
   if (names_.insert_or_assign(status.actor_id, name).second) {
-    spdlog::info("actor {} joins with {} slot{}", name, status.slots, status.slots == 1 ? "" : "s");
+    Welcome(status, name, trusted_from, now);
   }
-  ledger_.Join(status.actor_id, name, status.slots, now);
+  last_words_[status.actor_id] = {now, status.episodes_done, status.steps_per_second};
+  ledger_.Join(status.actor_id, name, status.slots, now, trusted_from);
   WarnOfManySlots();
+}
+
+void Collector::Welcome(const ActorStatus& status, const std::string& name, TimePoint trusted_from,
+                        TimePoint now) const {
+  spdlog::info("actor {} joins with {} slot{}", name, status.slots, status.slots == 1 ? "" : "s");
+  if (trusted_from <= now) return;
+  spdlog::warn(
+      "actors on {} came and went {} times in a row: {} gets orders after {} s, sooner if nobody "
+      "else is there",
+      status.host, flaps_.FlapsOf(status.host), name,
+      std::chrono::ceil<std::chrono::seconds>(trusted_from - now).count());
 }
 
 void Collector::WarnOfManySlots() {
@@ -70,12 +83,14 @@ void Collector::SendRefusal(std::uint64_t actor_id, const std::string& reason) {
 }
 
 void Collector::OnLost(std::uint64_t actor_id, TimePoint now) {
+  flaps_.Lose(actor_id, now);
   const std::size_t orders = ledger_.Lose(actor_id, now);
   if (names_.contains(actor_id)) {
     spdlog::info("actor {} is gone{}", NameOf(actor_id),
                  orders > 0 ? "; its " + std::to_string(orders) + " orders go to others" : "");
   }
   names_.erase(actor_id);
+  last_words_.erase(actor_id);
 }
 
 void Collector::OnEpisode(EpisodeMessage message, TimePoint now) {
@@ -154,6 +169,34 @@ void Collector::Complain(const std::string& text, TimePoint now) {
 std::string Collector::NameOf(std::uint64_t actor_id) const {
   const auto name = names_.find(actor_id);
   return name != names_.end() ? name->second : "unknown actor " + std::to_string(actor_id);
+}
+
+std::vector<ActorReport> Collector::ReportActors(TimePoint now) const {
+  const auto seconds_since = [now](TimePoint then) {
+    return std::chrono::duration<double>(now - then).count();
+  };
+  std::vector<ActorReport> reports;
+  for (const OrderLedger::ActorOrders& actor : ledger_.OrdersByActor(now)) {
+    ActorReport report;
+    report.name = actor.name;
+    report.slots = actor.slots;
+    report.orders = actor.orders;
+    if (actor.oldest) report.oldest_order_seconds = seconds_since(*actor.oldest);
+    report.on_probation = !actor.trusted;
+    report.unanswering = actor.silent;
+    if (const auto said = last_words_.find(actor.actor_id); said != last_words_.end()) {
+      report.episodes_done = said->second.episodes_done;
+      report.steps_per_second = said->second.steps_per_second;
+      report.silent_seconds = seconds_since(said->second.heard);
+    }
+    const auto& by_actor = ledger_.counts().by_actor;
+    if (const auto counts = by_actor.find(actor.name); counts != by_actor.end()) {
+      report.accepted = counts->second.accepted;
+      report.rejected = counts->second.rejected;
+    }
+    reports.push_back(std::move(report));
+  }
+  return reports;
 }
 
 void Collector::AddSnapshot(PolicySnapshot snapshot) {

@@ -11,6 +11,7 @@
 #include "common/messages.h"
 #include "learner/admission.h"
 #include "learner/batch_store.h"
+#include "learner/flap_watch.h"
 #include "learner/learning.h"
 #include "learner/log_limit.h"
 #include "learner/order_ledger.h"
@@ -51,16 +52,29 @@ class Collector {
   [[nodiscard]] const LedgerCounts& counts() const { return ledger_.counts(); }
   /// Samples for another start of the learner: dropped, answered by the new orders.
   [[nodiscard]] std::uint64_t stale() const { return stale_; }
+  [[nodiscard]] std::uint64_t AcceptedOf(std::uint64_t batch) const {
+    return ledger_.AcceptedOf(batch);
+  }
+  /// The actors that are there, for people who watch.
+  [[nodiscard]] std::vector<ActorReport> ReportActors(TimePoint now) const;
   [[nodiscard]] BatchStore::Accounting Account() const { return batches_.Account(); }
   double TakeIdleShare(TimePoint now) { return ledger_.TakeIdleShare(now); }
 
  private:
+  /// What an admitted actor last said of itself.
+  struct LastWords {
+    TimePoint heard;
+    std::uint64_t episodes_done = 0;
+    double steps_per_second = 0;
+  };
   void RefuseActor(const ActorStatus& status, const std::string& reason, TimePoint now);
   void SendRefusal(std::uint64_t actor_id, const std::string& reason);
   void Judge(Episode episode, std::uint64_t actor_id, TimePoint now);
   void OnDuplicate(const Episode& episode, std::uint64_t actor_id, TimePoint now);
   void Discard(std::uint64_t actor_id, const std::string& reason, TimePoint now);
   void Complain(const std::string& text, TimePoint now);
+  void Welcome(const ActorStatus& status, const std::string& name, TimePoint trusted_from,
+               TimePoint now) const;
   void WarnOfManySlots();
   [[nodiscard]] std::string NameOf(std::uint64_t actor_id) const;
 
@@ -69,10 +83,12 @@ class Collector {
   std::uint64_t incarnation_;
   std::uint64_t episodes_per_update_;
   Admission admission_;
+  FlapWatch flaps_;
   OrderLedger ledger_;
   BatchStore batches_;
   std::map<std::uint64_t, PolicySnapshot> snapshots_;  // by version
   std::map<std::uint64_t, std::string> names_;         // of the actors that were admitted
+  std::map<std::uint64_t, LastWords> last_words_;      // of the same
   std::map<std::uint64_t, std::string> refusals_;      // actor -> reason
   LogLimit complaints_;
   std::uint64_t stale_ = 0;

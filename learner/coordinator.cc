@@ -34,8 +34,11 @@ Coordinator::Coordinator(CoordinatorSetup setup, LearnerBus& bus, Learning& lear
       rivals_(setup_.description.learner_id, setup_.rivals, now_()),
       collector_(bus, learning, setup_.description, setup_.rules,
                  learning.state().canonical_digest),
+      status_(setup_.status, setup_.description, setup_.rules),
       version_(learning.state().version) {
-  if (setup_.resumed) saved_version_ = version_;
+  if (!setup_.resumed) return;
+  saved_version_ = version_;
+  status_.Saved(version_);
 }
 
 // The work in the background refers to this object.
@@ -87,6 +90,7 @@ bool Coordinator::Begin() {
     return false;
   }
   serving_since_ = now_();
+  status_.Begin(state.version, state.steps, setup_.seconds_before, serving_since_);
   rivals_.Serve(serving_since_);
   setup_.description.serving = true;
   bus_.Publish(setup_.description);
@@ -123,7 +127,8 @@ void Coordinator::Serve() {
 void Coordinator::ServeOnce() {
   const TimePoint now = now_();
   CallForActors(now);
-  TimePoint deadline = now + kLongWait;
+  if (now >= status_.due()) PublishStatus(StateNow());
+  TimePoint deadline = std::min<TimePoint>(now + kLongWait, status_.due());
   for (const auto& due : {collector_.SendOrders(now), rivals_.NextDeadline(now), next_call_}) {
     if (due) deadline = std::min(deadline, *due);
   }
@@ -171,6 +176,16 @@ void Coordinator::CallForActors(TimePoint now) {
   if (now < *next_call_) return;
   next_call_ = now + setup_.call_for_actors_every;
   spdlog::info("waiting for actors; start one with: {}", setup_.how_to_join);
+}
+
+LearnerStatus::State Coordinator::StateNow() const {
+  if (updating_ != nullptr) return LearnerStatus::State::kUpdating;
+  return collector_.actors() > 0 ? LearnerStatus::State::kCollecting
+                                 : LearnerStatus::State::kWaitingForActors;
+}
+
+void Coordinator::PublishStatus(LearnerStatus::State state) {
+  bus_.Publish(status_.Make(state, collector_, bus_, now_()));
 }
 
 void Coordinator::StartUpdateIfReady() {
@@ -252,8 +267,10 @@ void Coordinator::WaitForUpdate() {
 
 void Coordinator::TellProgress(const UpdateOutcome& outcome, const TrainState& state) {
   const CpuTimer timer(CpuUse::kSave);
+  const WallReport wall = WallReportOf(outcome);
+  status_.Updated(outcome.report, wall);
   try {
-    record_.Updated(outcome.report, WallReportOf(outcome));
+    record_.Updated(outcome.report, wall);
   } catch (const std::exception& failure) {
     spdlog::error("the progress of update {} was not written: {}", state.version, failure.what());
   }
@@ -285,6 +302,7 @@ bool Coordinator::Save(const TrainState& state) {
   try {
     record_.Save(state);
     saved_version_ = state.version;
+    status_.Saved(state.version);
     return true;
   } catch (const std::exception& failure) {
     spdlog::error("CHECKPOINT OF VERSION {} NOT WRITTEN: {}; {}", state.version, failure.what(),
@@ -310,6 +328,7 @@ int Coordinator::End() {
                  setup_.rules.updates_total, record_.LatestCheckpoint());
   }
   if (*ending_ > kExitSignalBase) record_.Interrupted(state);
+  PublishStatus(LearnerStatus::State::kStopped);
   return *ending_;
 }
 
@@ -318,6 +337,7 @@ int Coordinator::EndFinished(const TrainState& state) {
   const std::string accounting = AccountingText();
   if (!exact) spdlog::error("{}", accounting);
   record_.Finished(state, accounting);
+  PublishStatus(LearnerStatus::State::kFinished);
   Farewell();
   return exact ? kExitFinished : kExitFailure;
 }

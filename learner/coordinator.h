@@ -16,6 +16,7 @@
 #include "learner/learning.h"
 #include "learner/rival_watch.h"
 #include "learner/run_record.h"
+#include "learner/status_report.h"
 
 namespace metronome {
 
@@ -23,6 +24,7 @@ namespace metronome {
 struct CoordinatorSetup {
   RunDescription description;  // serving and finished are the coordinator's to set
   OrderRules rules;
+  StatusFacts status;
   double seconds_before = 0;           // wall-clock: that the run took before this start
   std::uint64_t checkpoint_every = 1;  // updates
   std::uint64_t milestone_every = 0;   // updates; 0: none
@@ -74,6 +76,8 @@ class Coordinator {
   void Handle(LearnerEvent event, TimePoint now);
   void OnRival(const RivalSeen& rival, TimePoint now);
   void CallForActors(TimePoint now);
+  void PublishStatus(LearnerStatus::State state);
+  [[nodiscard]] LearnerStatus::State StateNow() const;
 
   void StartUpdateIfReady();
   void FinishUpdateIfDone();
@@ -98,6 +102,7 @@ class Coordinator {
 
   RivalWatch rivals_;
   Collector collector_;
+  StatusReport status_;
   std::uint64_t version_;  // updates made and published
   std::optional<std::uint64_t> saved_version_;
   TimePoint serving_since_;

@@ -1,5 +1,7 @@
 #include "learner/file_run_record.h"
 
+#include <cerrno>
+#include <system_error>
 #include <utility>
 
 #include "common/config.h"
@@ -23,6 +25,10 @@ void FileRunRecord::Begin() {
 }
 
 std::string FileRunRecord::Save(const TrainState& state) {
+  // A run that goes on from the checkpoint finds every row before it.
+  if (!progress_->Flush() || !events_->Flush()) {
+    throw std::system_error(errno, std::generic_category(), "the logs in " + folder_ + " wait");
+  }
   checkpoint_.state = state;
   checkpoint_.logs.progress_bytes = progress_->bytes();
   checkpoint_.logs.events_bytes = events_->bytes();

@@ -10,11 +10,14 @@
 #include "learner/inspect.h"
 #include "learner/options.h"
 #include "learner/serve.h"
+#include "learner/watch.h"
 
 namespace metronome {
 namespace {
 
 int Execute(const RunOptions& options) { return ServeRun(options); }
+
+int Execute(const StatusOptions& options) { return WatchRun(options); }
 
 int Execute(const InspectOptions& options) {
   try {

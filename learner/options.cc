@@ -121,6 +121,24 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
       ->type_name("X");
 }
 
+void AddStatusOptions(CLI::App& command, StatusOptions& options) {
+  command.add_option("RUN", options.run, "Name of the run")->type_name("");
+  command.add_option("--domain", options.domain, "DDS domain, 0 to 232 [default: 0]")
+      ->type_name("N");
+  command.add_option("--transport", options.transport, "udp or shm [default: udp]")->type_name("X");
+  command
+      .add_option("--network", options.network,
+                  "Where the learner is: loopback (this machine), lan, or addresses separated by "
+                  "commas [default: loopback]")
+      ->type_name("W");
+  command.add_flag("--json", options.json, "As one JSON object a line");
+  command.add_flag("--follow", options.follow, "Again each second, until the run ends or Ctrl-C");
+  command
+      .add_option("--wait", options.wait_seconds, "Seconds to look for the learner [default: 10]")
+      ->type_name("S")
+      ->check(CLI::Range(0.0, 86400.0));
+}
+
 /// --goal speaks in words, its field is a truth value.
 std::string FieldValue(const FieldOption& option, const std::string& text) {
   if (option.name != std::string("--goal")) return text;
@@ -207,6 +225,7 @@ std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* cons
   ConfigArguments arguments, print_arguments;
   RunArguments run;
   InspectOptions inspect;
+  StatusOptions status;
 
   CLI::App* run_command = app.add_subcommand("run", "Start a run, or go on with one (--resume)");
   AddRunOptions(*run_command, run);
@@ -218,12 +237,21 @@ std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* cons
       app.add_subcommand("config", "Print the whole configuration that run would use");
   AddConfigOptions(*config_command, print_arguments);
 
-  if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
+  CLI::App* status_command =
+      app.add_subcommand("status", "Show a running run, from any terminal or machine");
+  AddStatusOptions(*status_command, status);
+
+  if (const auto code = ParseCommandLine(app, argc, argv)) return *code;
   const CLI::App& given = *app.get_subcommands().front();
   try {
     if (&given == run_command) return BuildRun(run, given, arguments);
     if (&given == config_command) {
       return PrintConfigOptions{BuildConfig(ConfigDraft(), given, print_arguments)};
+    }
+    if (&given == status_command) {
+      if (status.run.empty()) throw ConfigError("name the RUN to show");
+      CheckRunName(status.run);
+      return status;
     }
     if (inspect.checkpoint.empty()) throw ConfigError("name the CHECKPOINT file to inspect");
     return inspect;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <variant>
 
@@ -31,7 +32,18 @@ struct PrintConfigOptions {
   RunConfig config;
 };
 
-using LearnerCommand = std::variant<RunOptions, InspectOptions, PrintConfigOptions>;
+/// `status`: show a running run from anywhere.
+struct StatusOptions {
+  std::string run;
+  std::uint32_t domain = 0;
+  std::string transport = "udp";
+  std::string network = "loopback";
+  bool json = false;
+  bool follow = false;       // each second, until the run ends
+  double wait_seconds = 10;  // for a learner
+};
+
+using LearnerCommand = std::variant<RunOptions, InspectOptions, PrintConfigOptions, StatusOptions>;
 
 /// Reads configuration files and, with --resume, the run's own. Prints help and errors itself.
 /// @return the command, or the exit status to end with: 0 after help, 2 after a usage error, among

@@ -1,10 +1,17 @@
 #include "learner/order_ledger.h"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
+#include <utility>
+
+#include "learner/doubling.h"
 
 namespace metronome {
 namespace {
+
+constexpr std::size_t kGivenUpKept = 64;     // of an actor
+constexpr std::uint32_t kMostDoublings = 6;  // of the patience with an order
 
 bool Contains(const std::vector<std::uint64_t>& values, std::uint64_t value) {
   return std::find(values.begin(), values.end(), value) != values.end();
@@ -35,12 +42,13 @@ void OrderLedger::OpenBatches() {
 }
 
 void OrderLedger::Join(std::uint64_t actor_id, const std::string& name, std::uint32_t slots,
-                       TimePoint now) {
+                       TimePoint now, TimePoint trusted_from) {
   if (IsRefused(actor_id)) return;
   CountIdle(now);
   Actor& actor = actors_[actor_id];
   actor.name = name;
   actor.slots = std::max<std::uint32_t>(slots, 1);
+  actor.trusted_from = trusted_from;
 }
 
 std::size_t OrderLedger::Lose(std::uint64_t actor_id, TimePoint now) {
@@ -106,17 +114,25 @@ void OrderLedger::Arrive(std::uint64_t number, std::uint64_t actor_id, TimePoint
   open_.erase(number);
   numbers_.at(number).state = Number::State::kArrived;
   const auto actor = actors_.find(actor_id);
-  if (actor == actors_.end()) return;
-  actor->second.silent = false;
-  Release(*actor, number, now);
+  if (actor != actors_.end()) Release(*actor, number, now);
 }
 
 // The actor has brought `number`: the order that waited longest begins.
 void OrderLedger::Release(ActorMap::value_type& actor, std::uint64_t number, TimePoint now) {
+  actor.second.silences = 0;
+  actor.second.rests_until = {};
   std::vector<Outstanding>& out = actor.second.out;
-  const auto at = std::find_if(out.begin(), out.end(),
-                               [&](const Outstanding& o) { return o.number == number; });
-  if (at == out.end()) return;
+  const auto is_it = [&](const Outstanding& o) { return o.number == number; };
+  const auto at = std::find_if(out.begin(), out.end(), is_it);
+  if (at == out.end()) {
+    // Given up too early: the estimate of how long an episode takes must learn from it.
+    std::vector<Outstanding>& given_up = actor.second.given_up;
+    const auto late = std::find_if(given_up.begin(), given_up.end(), is_it);
+    if (late == given_up.end()) return;
+    durations_.Add(now - late->since);
+    given_up.erase(late);
+    return;
+  }
   durations_.Add(now - at->since);
   const auto index = static_cast<std::size_t>(at - out.begin());
   out.erase(at);
@@ -172,28 +188,46 @@ std::vector<Assignment> OrderLedger::Plan(TimePoint now) {
 }
 
 // An order that nothing came of for very long (a sample dropped on the way, an actor that hangs)
-// does not block its slot for ever.
+// does not block its slot for ever. But its actor may merely be slow, so it rests before it is
+// asked again: else a machine that is suddenly slower would be buried under repeated orders.
 void OrderLedger::GiveUpLost(TimePoint now) {
-  const auto patience = Scaled(rules_.lost_factor);
-  for (auto& actor : actors_) {
-    const auto lost = [&](const Outstanding& out) { return now - out.since >= patience; };
-    std::vector<Outstanding>& out = actor.second.out;
-    for (const Outstanding& order : out) {
-      if (!lost(order)) continue;
-      actor.second.silent = true;
-      TakeBack(order.number, actor.first);
+  for (auto& [id, actor] : actors_) {
+    const auto lost = [&](const Outstanding& out) { return now - out.since >= LostAfter(out); };
+    const std::size_t before = actor.given_up.size();
+    std::copy_if(actor.out.begin(), actor.out.end(), std::back_inserter(actor.given_up), lost);
+    if (actor.given_up.size() == before) continue;
+    std::erase_if(actor.out, lost);
+    for (std::size_t i = before; i < actor.given_up.size(); ++i) {
+      TakeBack(actor.given_up[i].number, id);
     }
-    std::erase_if(out, lost);
+    if (actor.given_up.size() > kGivenUpKept) {
+      actor.given_up.erase(actor.given_up.begin(), actor.given_up.end() - kGivenUpKept);
+    }
+    actor.rests_until = now + Doubling(++actor.silences, rules_.first_rest, rules_.longest_rest);
   }
 }
 
+std::chrono::nanoseconds OrderLedger::LostAfter(const Outstanding& out) const {
+  const auto number = numbers_.find(out.number);
+  const std::uint32_t tries = number == numbers_.end() ? 1 : number->second.tries;
+  const std::uint32_t doublings = std::min(std::max(tries, 1U) - 1, kMostDoublings);
+  return Scaled(rules_.lost_factor * double(1U << doublings));
+}
+
 void OrderLedger::PlanOpen(TimePoint now, std::vector<Assignment>& plan) {
+  // Who gave up an order, or comes and goes, is asked only when nobody else is there.
+  const bool any_reliable = std::any_of(actors_.begin(), actors_.end(), [now](const auto& actor) {
+    return actor.second.IsReliable(now);
+  });
+  const auto may_be_asked = [&](const Actor& actor) {
+    return !any_reliable || actor.IsReliable(now);
+  };
   while (!open_.empty()) {
     // Near the end no order waits in one actor's queue while another's slot may fall idle.
     const bool tail = open_.size() <= slots();
     const std::uint64_t number = *open_.begin();
     ActorMap::value_type* actor =
-        LeastLoaded(tail ? 1 : rules_.orders_per_slot, numbers_.at(number));
+        LeastLoaded(tail ? 1 : rules_.orders_per_slot, numbers_.at(number), may_be_asked);
     if (actor == nullptr) return;
     HandOut(number, *actor, now, plan);
   }
@@ -214,22 +248,23 @@ void OrderLedger::PlanLate(TimePoint now, std::vector<Assignment>& plan) {
   }
   for (const auto& [number, everywhere] : late) {
     if (!everywhere) continue;
-    ActorMap::value_type* actor = LeastLoaded(1, numbers_.at(number));
+    // Anybody's: the slot is idle, and a result that comes twice does no harm.
+    ActorMap::value_type* actor =
+        LeastLoaded(1, numbers_.at(number), [](const Actor&) { return true; });
     if (actor != nullptr) HandOut(number, *actor, now, plan);
   }
 }
 
 // The actor with the least orders per slot that does not play the number yet and takes another.
-OrderLedger::ActorMap::value_type* OrderLedger::LeastLoaded(std::uint32_t orders_per_slot,
-                                                            const Number& number) {
-  // Who gave up an order is asked only when nobody else is there.
-  const bool any_speaks = std::any_of(actors_.begin(), actors_.end(),
-                                      [](const auto& actor) { return !actor.second.silent; });
+OrderLedger::ActorMap::value_type* OrderLedger::LeastLoaded(
+    std::uint32_t orders_per_slot, const Number& number,
+    const std::function<bool(const Actor&)>& may_be_asked) {
   ActorMap::value_type* best = nullptr;
   for (auto& candidate : actors_) {
     const Actor& actor = candidate.second;
-    if (any_speaks && actor.silent) continue;
-    if (actor.out.size() >= std::size_t{actor.slots} * orders_per_slot) continue;
+    if (!may_be_asked(actor)) continue;
+    const std::size_t most = actor.silences > 0 ? 1 : std::size_t{actor.slots} * orders_per_slot;
+    if (actor.out.size() >= most) continue;
     if (Contains(number.holders, candidate.first)) continue;
     if (best == nullptr ||
         actor.out.size() * best->second.slots < best->second.out.size() * actor.slots) {
@@ -246,6 +281,7 @@ void OrderLedger::HandOut(std::uint64_t number, ActorMap::value_type& actor, Tim
   if (!entry.asked.empty()) ++counts_.reordered;
   open_.erase(number);
   entry.state = Number::State::kOut;
+  ++entry.tries;
   entry.holders.push_back(actor.first);
   if (!Contains(entry.asked, actor.first)) entry.asked.push_back(actor.first);
   actor.second.out.push_back({number, now});
@@ -263,12 +299,18 @@ void OrderLedger::HandOut(std::uint64_t number, ActorMap::value_type& actor, Tim
 
 std::optional<OrderLedger::TimePoint> OrderLedger::NextDeadline(TimePoint now) const {
   std::optional<TimePoint> next;
+  const auto consider = [&next](TimePoint due) {
+    if (!next || due < *next) next = due;
+  };
   for (const auto& actor : actors_) {
+    for (const TimePoint from : {actor.second.trusted_from, actor.second.rests_until}) {
+      if (from > now) consider(from);
+    }
     for (const Outstanding& out : actor.second.out) {
       // A late order without an idle slot waits for an event, not for time: then the loss is next.
       TimePoint due = out.since + Scaled(rules_.late_factor);
-      if (due <= now) due = out.since + Scaled(rules_.lost_factor);
-      if (!next || due < *next) next = due;
+      if (due <= now) due = out.since + LostAfter(out);
+      consider(due);
     }
   }
   return next;
@@ -286,8 +328,27 @@ std::chrono::nanoseconds OrderLedger::Scaled(double factor) const {
 }
 
 bool OrderLedger::IsComplete(std::uint64_t batch) const {
+  return AcceptedOf(batch) == rules_.episodes_per_update;
+}
+
+std::uint64_t OrderLedger::AcceptedOf(std::uint64_t batch) const {
   const auto accepted = accepted_of_batch_.find(batch);
-  return accepted != accepted_of_batch_.end() && accepted->second == rules_.episodes_per_update;
+  return accepted == accepted_of_batch_.end() ? 0 : accepted->second;
+}
+
+std::vector<OrderLedger::ActorOrders> OrderLedger::OrdersByActor(TimePoint now) const {
+  std::vector<ActorOrders> all;
+  for (const auto& [id, actor] : actors_) {
+    ActorOrders view{id,           actor.name,
+                     actor.slots,  actor.out.size(),
+                     std::nullopt, actor.trusted_from <= now,
+                     actor.silent};
+    for (const Outstanding& out : actor.out) {
+      if (!view.oldest || out.since < *view.oldest) view.oldest = out.since;
+    }
+    all.push_back(std::move(view));
+  }
+  return all;
 }
 
 std::uint64_t OrderLedger::slots() const {

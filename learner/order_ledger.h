@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -22,10 +23,13 @@ struct OrderRules {
   std::uint64_t first_version = 0;         // updates made before this process
   std::uint32_t orders_per_slot = 2;       // so that no slot waits for a round trip
   double late_factor = 3;                  // of the median duration: another idle slot is asked too
-  double lost_factor = 9;                  // of the median duration: the order is given up
+  double lost_factor = 9;                  // of the median: given up; doubled for each further try
   std::chrono::milliseconds least_late{250};       // shorter lateness is noise
   std::chrono::milliseconds first_estimate{2000};  // of the median, before any was measured
-  std::uint32_t bad_answers_allowed = 10;          // in a row, by one actor
+  // An actor that gave up an order is on trial after this, doubled with each further one.
+  std::chrono::milliseconds first_rest{1000};
+  std::chrono::milliseconds longest_rest{60'000};
+  std::uint32_t bad_answers_allowed = 10;  // in a row, by one actor
 };
 
 /// Numbers to be sent to one actor, all to be played under one weights version.
@@ -57,7 +61,9 @@ class OrderLedger {
   explicit OrderLedger(const OrderRules& rules);
 
   /// The actor is there (again) with so many slots; at least 1. Refused actors stay refused.
-  void Join(std::uint64_t actor_id, const std::string& name, std::uint32_t slots, TimePoint now);
+  /// @param trusted_from  before that it is asked only if no trusted one is there.
+  void Join(std::uint64_t actor_id, const std::string& name, std::uint32_t slots, TimePoint now,
+            TimePoint trusted_from = {});
   /// What it has not brought is open again at once. @return how many orders that were.
   std::size_t Lose(std::uint64_t actor_id, TimePoint now);
   /// Nothing is ordered from this actor any more.
@@ -94,6 +100,21 @@ class OrderLedger {
   /// All E episodes of the batch are accepted.
   [[nodiscard]] bool IsComplete(std::uint64_t batch) const;
 
+  /// Episodes of the batch that are accepted so far.
+  [[nodiscard]] std::uint64_t AcceptedOf(std::uint64_t batch) const;
+
+  /// One actor's orders, for people who watch.
+  struct ActorOrders {
+    std::uint64_t actor_id = 0;
+    std::string name;
+    std::uint32_t slots = 0;
+    std::uint64_t orders = 0;         // outstanding
+    std::optional<TimePoint> oldest;  // since when it could have played the oldest of them
+    bool trusted = true;
+    bool silent = false;  // gave up an order and has brought nothing since
+  };
+  [[nodiscard]] std::vector<ActorOrders> OrdersByActor(TimePoint now) const;
+
   [[nodiscard]] std::size_t actors() const { return actors_.size(); }
   [[nodiscard]] std::uint64_t slots() const;
   [[nodiscard]] const LedgerCounts& counts() const { return counts_; }
@@ -106,6 +127,7 @@ class OrderLedger {
     State state = State::kOpen;
     std::vector<std::uint64_t> holders;  // actors that play it, latest last
     std::vector<std::uint64_t> asked;    // every actor that was ever asked for it
+    std::uint32_t tries = 0;             // times that it was handed out
   };
   struct Outstanding {
     std::uint64_t number = 0;
@@ -117,8 +139,14 @@ class OrderLedger {
     // The first `slots` are being played, the others wait. May hold numbers that left the ledger:
     // what was late and came from elsewhere keeps its slot busy none the less.
     std::vector<Outstanding> out;
+    std::vector<Outstanding> given_up;  // the last few orders; they may come yet
     std::uint32_t bad_in_a_row = 0;
-    bool silent = false;  // gave up an order and has brought nothing since
+    std::uint32_t silences = 0;  // times that it gave up orders since it last brought something
+    TimePoint rests_until;       // because of them: then one order is its trial
+    TimePoint trusted_from;      // see Join
+    [[nodiscard]] bool IsReliable(TimePoint now) const {
+      return rests_until <= now && trusted_from <= now;
+    }
   };
   using ActorMap = std::map<std::uint64_t, Actor>;
 
@@ -128,8 +156,10 @@ class OrderLedger {
   void Release(ActorMap::value_type& actor, std::uint64_t number, TimePoint now);
   void HandOut(std::uint64_t number, ActorMap::value_type& actor, TimePoint now,
                std::vector<Assignment>& plan);
-  ActorMap::value_type* LeastLoaded(std::uint32_t orders_per_slot, const Number& number);
+  ActorMap::value_type* LeastLoaded(std::uint32_t orders_per_slot, const Number& number,
+                                    const std::function<bool(const Actor&)>& may_be_asked);
   void GiveUpLost(TimePoint now);
+  [[nodiscard]] std::chrono::nanoseconds LostAfter(const Outstanding& out) const;
   void PlanOpen(TimePoint now, std::vector<Assignment>& plan);
   void PlanLate(TimePoint now, std::vector<Assignment>& plan);
   [[nodiscard]] std::chrono::nanoseconds Scaled(double factor) const;

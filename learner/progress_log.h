@@ -19,11 +19,14 @@ class ProgressLog {
   /// @throws std::system_error, see RecordFile.
   ProgressLog(const std::string& path, std::size_t heads, std::uint64_t keep_bytes);
 
-  /// Writes a row; it is in the file when this returns. A failure is logged, not thrown.
+  /// Writes a row; it is in the file when this returns, or waits for room (see RecordFile).
   void Append(const std::vector<Metric>& metrics);
 
   /// For LogOffsets::progress_bytes.
   [[nodiscard]] std::uint64_t bytes() const { return file_.size(); }
+
+  /// See RecordFile.
+  bool Flush() { return file_.Flush(); }
 
  private:
   RecordFile file_;

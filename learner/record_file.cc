@@ -47,16 +47,29 @@ RecordFile::RecordFile(std::string path, std::uint64_t keep_bytes, const WholePr
 
 RecordFile::~RecordFile() { close(fd_); }
 
-bool RecordFile::Append(std::string_view record) {
-  if (WriteAll(fd_, record)) {
-    size_ += record.size();
+void RecordFile::Append(std::string_view record) {
+  if (waiting_.size() + record.size() > kMostWaiting) {
+    spdlog::error("a record of {} is lost: {} bytes wait for room already", path_, waiting_.size());
+    return;
+  }
+  const bool first = waiting_.empty();
+  waiting_ += record;
+  if (Flush() || !first) return;
+  spdlog::error("cannot write {}: {}; its records wait until there is room, training goes on",
+                path_, std::strerror(errno));
+}
+
+bool RecordFile::Flush() {
+  if (WriteAll(fd_, waiting_)) {
+    size_ += waiting_.size();
+    waiting_.clear();
     return true;
   }
-  spdlog::error("cannot write {}: {}; this record is lost, training goes on", path_,
-                std::strerror(errno));
+  const int error = errno;
   if (ftruncate(fd_, static_cast<off_t>(size_)) != 0) {
     spdlog::error("cannot cut {} back: {}", path_, std::strerror(errno));
   }
+  errno = error;
   return false;
 }
 

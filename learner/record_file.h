@@ -22,12 +22,17 @@ class RecordFile {
   RecordFile(const RecordFile&) = delete;
   RecordFile& operator=(const RecordFile&) = delete;
 
-  /// Hands one record to the operating system. If that fails (disk full, say) an error is logged,
-  /// the part that was written is cut off again, and later records are tried as usual: a lost log
-  /// line does not end a run. @return false then.
-  bool Append(std::string_view record);
+  /// Hands a record to the operating system, behind those that could not be written so far. What
+  /// fails (disk full, say) is logged once, and kept for the next Append or Flush: a run goes on
+  /// without its log. Beyond kMostWaiting bytes records are lost, with an error.
+  void Append(std::string_view record);
 
-  [[nodiscard]] std::uint64_t size() const { return size_; }
+  /// Tries to write what waits. @return whether nothing waits any more.
+  bool Flush();
+
+  [[nodiscard]] std::uint64_t size() const { return size_; }  // of whole records in the file
+
+  static constexpr std::size_t kMostWaiting = std::size_t{64} << 20;
 
  private:
   void CutTo(std::uint64_t bytes);
@@ -35,6 +40,7 @@ class RecordFile {
   std::string path_;
   int fd_ = -1;
   std::uint64_t size_ = 0;
+  std::string waiting_;
 };
 
 }  // namespace metronome

@@ -61,10 +61,14 @@ std::uint64_t RandomId() {
   return (std::uint64_t{device()} << 32) | device();
 }
 
-std::string HostAndProcess() {
+std::string HostName() {
   std::array<char, 256> host{};
   if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '?';
-  return std::string("on ") + host.data() + ", process " + std::to_string(getpid());
+  return host.data();
+}
+
+std::string HostAndProcess() {
+  return "on " + HostName() + ", process " + std::to_string(getpid());
 }
 
 BusOptions BusOptionsOf(const RunOptions& options) {
@@ -143,6 +147,10 @@ CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
   setup.rules.overlap = static_cast<std::uint64_t>(config.collection().overlap());
   setup.rules.first_version = start.checkpoint.state.version;
   setup.rules.updates_total = std::max(UpdatesTotal(config), setup.rules.first_version);
+  setup.status.task = config.environment().task();
+  setup.status.host = HostName();
+  setup.status.pid = static_cast<std::uint32_t>(getpid());
+  setup.status.total_steps = setup.rules.updates_total * StepsPerUpdate(config);
   setup.seconds_before = start.checkpoint.logs.wall_seconds;
   setup.checkpoint_every = static_cast<std::uint64_t>(config.runtime().checkpoint_every());
   setup.milestone_every = static_cast<std::uint64_t>(config.runtime().milestone_every());

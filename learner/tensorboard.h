@@ -29,6 +29,9 @@ class TensorBoardLog {
   /// For LogOffsets::events_bytes.
   [[nodiscard]] std::uint64_t bytes() const { return file_.size(); }
 
+  /// See RecordFile.
+  bool Flush() { return file_.Flush(); }
+
  private:
   RecordFile file_;
 };

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <atomic>
+#include <memory>
 #include <mutex>
 #include <utility>
 
@@ -15,41 +17,37 @@ using dds::Inbox;
 using dds::ReaderWatch;
 using dds::WriterWatch;
 
-class DdsActorBus final : public ActorBus {
+/// One participant with its endpoints. Thread-safe but for Next.
+class Ends {
  public:
-  DdsActorBus(const BusOptions& options, std::uint64_t actor_id)
-      : actor_id_(actor_id), participant_(options, dds::kActorRole) {}
+  Ends(const BusOptions& options, std::uint64_t actor_id, Inbox* inbox)
+      : actor_id_(actor_id),
+        episode_watch_(inbox),
+        snapshot_watch_(inbox),
+        order_watch_(inbox),
+        learner_watch_(inbox),
+        participant_(options, dds::kActorRole) {}
 
-  SendResult Send(EpisodeMessage message) override {
+  [[nodiscard]] bool HasLearner() const { return episode_watch_.HasReader(); }
+
+  ActorBus::SendResult Send(EpisodeMessage message, const std::atomic<bool>& closed) {
     auto sample = episodes_.Pack(std::move(message));
-    while (!closed_) {
-      if (!episode_watch_.HasReader()) return SendResult::kNoLearner;
-      if (episodes_.Write(sample) == dds::WriteResult::kWritten) return SendResult::kSent;
+    while (!closed) {
+      if (!HasLearner()) return ActorBus::SendResult::kNoLearner;
+      if (episodes_.Write(sample) == dds::WriteResult::kWritten) return ActorBus::SendResult::kSent;
       // A full history refuses early: wait for acknowledgements rather than spin.
       episodes_.WaitForAcknowledgements(kRetry);
     }
-    return SendResult::kClosed;
+    return ActorBus::SendResult::kClosed;
   }
 
-  void Send(const ActorStatus& status) override { statuses_.Write(status); }
+  void Send(const ActorStatus& status) { statuses_.Write(status); }
 
-  std::optional<ActorEvent> Wait(Clock::time_point deadline) override {
-    return inbox_.Wait(deadline, [this] { return Next(); });
+  void WaitForAcknowledgements(std::chrono::milliseconds timeout) {
+    if (HasLearner()) episodes_.WaitForAcknowledgements(timeout);
   }
-
-  void Wake() override { inbox_.Wake(); }
-
-  void Close(std::chrono::milliseconds timeout) override {
-    closed_ = true;
-    if (episode_watch_.HasReader()) episodes_.WaitForAcknowledgements(timeout);
-  }
-
- private:
-  static constexpr std::chrono::milliseconds kRetry{50};
 
   std::optional<ActorEvent> Next() {
-    const std::lock_guard lock(next_mutex_);
-    if (inbox_.TakeWoken()) return Woken{};
     if (auto event = NextLearner()) return event;
     if (auto taken = snapshots_.Take()) return EventOf(std::move(taken->content));
     while (auto taken = orders_.Take()) {
@@ -59,6 +57,9 @@ class DdsActorBus final : public ActorBus {
     }
     return std::nullopt;
   }
+
+ private:
+  static constexpr std::chrono::milliseconds kRetry{50};
 
   std::optional<ActorEvent> NextLearner() {
     const auto event = sightings_.Next();
@@ -76,14 +77,11 @@ class DdsActorBus final : public ActorBus {
   }
 
   const std::uint64_t actor_id_;
-  std::atomic<bool> closed_{false};
-  std::mutex next_mutex_;
   // Before the participant: no listener may be called once it is gone.
-  Inbox inbox_;
-  ReaderWatch episode_watch_{&inbox_};
-  WriterWatch snapshot_watch_{&inbox_};
-  WriterWatch order_watch_{&inbox_};
-  WriterWatch learner_watch_{&inbox_};
+  ReaderWatch episode_watch_;
+  WriterWatch snapshot_watch_;
+  WriterWatch order_watch_;
+  WriterWatch learner_watch_;
   dds::Participant participant_;
   dds::Writer<wire::EpisodePubSubType> episodes_{&participant_, dds::kEpisodeTopic,
                                                  &episode_watch_};
@@ -94,6 +92,82 @@ class DdsActorBus final : public ActorBus {
   dds::Reader<wire::EpisodeOrderPubSubType> orders_{&participant_, dds::kEpisodeOrderTopic,
                                                     &order_watch_, actor_id_};
   dds::LearnerSightings sightings_{&participant_, &learner_watch_};
+};
+
+/// An actor that has lost its learner joins with a new participant. With the old one it would not
+/// find a learner that has not lost it in turn (packets of one direction were lost for longer than
+/// the lease, or the learner was stopped): to such a learner it is known, so Fast DDS 2.9 does not
+/// tell it of the learner's endpoints again.
+class DdsActorBus final : public ActorBus {
+ public:
+  DdsActorBus(const BusOptions& options, std::uint64_t actor_id)
+      : options_(options), actor_id_(actor_id) {
+    Renew();
+  }
+
+  SendResult Send(EpisodeMessage message) override {
+    const auto current = ends();
+    return current ? current->Send(std::move(message), closed_) : SendResult::kNoLearner;
+  }
+  void Send(const ActorStatus& status) override {
+    if (const auto current = ends()) current->Send(status);
+  }
+
+  std::optional<ActorEvent> Wait(Clock::time_point deadline) override {
+    while (true) {
+      auto event = inbox_.Wait(std::min(deadline, renew_at()), [this] { return Next(); });
+      if (event || Clock::now() >= deadline) return event;
+    }
+  }
+
+  void Wake() override { inbox_.Wake(); }
+
+  void Close(std::chrono::milliseconds timeout) override {
+    closed_ = true;
+    if (const auto current = ends()) current->WaitForAcknowledgements(timeout);
+  }
+
+ private:
+  // Without a learner for so long: whatever half-known state there may be is given up.
+  static constexpr std::chrono::seconds kRenewEvery{10};
+
+  std::optional<ActorEvent> Next() {
+    const std::lock_guard lock(next_mutex_);
+    if (inbox_.TakeWoken()) return Woken{};
+    auto event = ends_->Next();
+    const Clock::time_point now = Clock::now();
+    if (ends_->HasLearner()) {
+      renew_at_ = now + kRenewEvery;
+    } else if (now >= renew_at_ || (event && std::holds_alternative<LearnerLost>(*event))) {
+      Renew();
+    }
+    return event;
+  }
+
+  void Renew() {
+    const std::lock_guard lock(ends_mutex_);
+    ends_.reset();  // first: the new one may need its shared-memory port
+    ends_ = std::make_shared<Ends>(options_, actor_id_, &inbox_);
+    renew_at_ = Clock::now() + kRenewEvery;
+  }
+
+  [[nodiscard]] std::shared_ptr<Ends> ends() const {
+    const std::lock_guard lock(ends_mutex_);
+    return ends_;
+  }
+  [[nodiscard]] Clock::time_point renew_at() {
+    const std::lock_guard lock(next_mutex_);
+    return renew_at_;
+  }
+
+  const BusOptions options_;
+  const std::uint64_t actor_id_;
+  std::atomic<bool> closed_{false};
+  std::mutex next_mutex_;
+  Inbox inbox_;
+  Clock::time_point renew_at_;     // guarded by next_mutex_, as Renew is once constructed
+  mutable std::mutex ends_mutex_;  // held while there are none
+  std::shared_ptr<Ends> ends_;
 };
 
 }  // namespace

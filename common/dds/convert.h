@@ -21,6 +21,8 @@ wire::PolicySnapshot ToWire(PolicySnapshot message);
 wire::EpisodeOrder ToWire(const EpisodeOrder& message);
 wire::Episode ToWire(EpisodeMessage message);
 wire::ActorStatus ToWire(const ActorStatus& message);
+/// Actors beyond the bound are left out.
+wire::LearnerStatus ToWire(const LearnerStatus& message);
 
 /// The inverse: checks bounds, lengths that must agree, enumerations and the snapshot's checksum.
 /// Numbers inside arrays are not judged here. @throws Malformed with the reason.
@@ -29,6 +31,7 @@ PolicySnapshot FromWire(wire::PolicySnapshot sample);
 EpisodeOrder FromWire(const wire::EpisodeOrder& sample);
 EpisodeMessage FromWire(wire::Episode sample);
 ActorStatus FromWire(const wire::ActorStatus& sample);
+LearnerStatus FromWire(const wire::LearnerStatus& sample);
 
 /// CRC-32 (zlib's) of version and the three arrays, as idl/metronome.idl says.
 std::uint32_t SnapshotChecksum(const PolicySnapshot& snapshot);

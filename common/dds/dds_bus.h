@@ -22,4 +22,7 @@ std::unique_ptr<LearnerBus> MakeDdsLearnerBus(const BusOptions& options);
 /// @throws as MakeDdsLearnerBus.
 std::unique_ptr<ActorBus> MakeDdsActorBus(const BusOptions& options, std::uint64_t actor_id);
 
+/// @throws as MakeDdsLearnerBus.
+std::unique_ptr<ObserverBus> MakeDdsObserverBus(const BusOptions& options);
+
 }  // namespace metronome

@@ -19,10 +19,16 @@ class DdsLearnerBus final : public LearnerBus {
   explicit DdsLearnerBus(const BusOptions& options)
       : close_timeout_(options.close_timeout), participant_(options, "learner") {}
 
-  ~DdsLearnerBus() override { descriptions_.WaitForAcknowledgements(close_timeout_); }
+  ~DdsLearnerBus() override {
+    const Clock::time_point end = Clock::now() + close_timeout_;
+    descriptions_.WaitForAcknowledgements(close_timeout_);
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+    if (left.count() > 0) learner_statuses_.WaitForAcknowledgements(left);
+  }
 
   void Publish(const RunDescription& description) override { descriptions_.Write(description); }
   void Publish(const PolicySnapshot& snapshot) override { snapshots_.Write(snapshot); }
+  void Publish(const LearnerStatus& status) override { learner_statuses_.Write(status); }
 
   bool Send(const EpisodeOrder& order) override {
     const auto process = status_watch_.ProcessOf(order.actor_id);
@@ -97,6 +103,8 @@ class DdsLearnerBus final : public LearnerBus {
                                                          nullptr};
   dds::Writer<wire::EpisodeOrderPubSubType> orders_{&participant_, dds::kEpisodeOrderTopic,
                                                     &order_watch_};
+  dds::Writer<wire::LearnerStatusPubSubType> learner_statuses_{&participant_,
+                                                               dds::kLearnerStatusTopic, nullptr};
   dds::Reader<wire::ActorStatusPubSubType> statuses_{&participant_, dds::kActorStatusTopic,
                                                      &status_watch_};
   dds::Reader<wire::EpisodePubSubType> episodes_{&participant_, dds::kEpisodeTopic,

@@ -3,6 +3,9 @@
 #include <fastdds/rtps/builtin/data/ParticipantProxyData.h>
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <spdlog/spdlog.h>
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -71,6 +74,26 @@ fdds::DomainParticipantListener* TheLeaseRaceGuard() {
   return &guard;
 }
 
+/// Whether an interface other than loopback runs and has an IPv4 address.
+bool IsOnANetwork() {
+  ifaddrs* first = nullptr;
+  if (getifaddrs(&first) != 0) return true;  // not known
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> all(first, freeifaddrs);
+  for (const ifaddrs* one = first; one != nullptr; one = one->ifa_next) {
+    const bool runs = (one->ifa_flags & IFF_RUNNING) != 0 && (one->ifa_flags & IFF_LOOPBACK) == 0;
+    if (runs && one->ifa_addr != nullptr && one->ifa_addr->sa_family == AF_INET) return true;
+  }
+  return false;
+}
+
+/// Fast DDS takes a participant's addresses once, when it is made.
+void WarnWithoutANetwork(const Network& network) {
+  if (network.scope == Network::Scope::kLoopback || IsOnANetwork()) return;
+  spdlog::warn(
+      "no network interface but loopback is up: this process can be found on this machine alone, "
+      "also later; start it again once the network is up");
+}
+
 /// Buses of one process talk through the transport, so that tests see what machines see.
 void SwitchIntraprocessDeliveryOff() {
   eprosima::fastrtps::LibrarySettingsAttributes settings;
@@ -90,11 +113,16 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
   CheckBusOptions(options);
   SendLogToStandardError();
   SwitchIntraprocessDeliveryOff();
+  WarnWithoutANetwork(options.network);
+  if (options.transport == Transport::kSharedMemory) {
+    memory_.emplace(options.run_name, options.domain);
+  }
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   participant_ = Made(
       factory->create_participant(options.domain, ParticipantQos(options, role),
                                   TheLeaseRaceGuard(), fdds::StatusMask::none()),
       "participant in domain " + std::to_string(options.domain) + " (are its UDP ports free?)");
+  if (memory_) memory_->Write();
   try {
     Check(participant_->register_content_filter_factory(ActorFilterFactory::kClassName,
                                                         ActorFilterFactory::Get()),

@@ -7,10 +7,12 @@
 
 namespace metronome::dds {
 
-inline constexpr const char* kActorRole = "actor";  // finds learners alone, not other actors
+inline constexpr const char* kActorRole = "actor";        // finds learners alone, not other actors
+inline constexpr const char* kObserverRole = "observer";  // likewise
 
 /// Transports, discovery and leases of a participant, as the options ask.
-/// @param role  "learner" or kActorRole: shown by DDS tools as "metronome-learner RUN".
+/// @param role  "learner", kActorRole or kObserverRole: shown by DDS tools as "metronome-learner
+/// RUN".
 eprosima::fastdds::dds::DomainParticipantQos ParticipantQos(const BusOptions& options,
                                                             const std::string& role);
 

@@ -10,6 +10,8 @@ void WriterWatch::Saw(const fdds::InstanceHandle_t& writer, std::uint64_t id) {
   if (dead_.count(writer) > 0) {
     lost_.push_back(id);
   } else {
+    // One that joined again by a new participant: the old one's end is no loss.
+    std::erase_if(peers_, [&](const auto& peer) { return peer.second == id; });
     peers_[writer] = id;
   }
 }

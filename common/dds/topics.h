@@ -6,7 +6,7 @@
 
 #include "idl/metronomePubSubTypes.h"
 
-/// The five topics and their quality of service: the table of idl/README.md in code.
+/// The six topics and their quality of service: the table of idl/README.md in code.
 namespace metronome::dds {
 
 struct TopicProfile {
@@ -33,6 +33,8 @@ inline constexpr TopicProfile kEpisodeOrderTopic{
 inline constexpr TopicProfile kEpisodeTopic{"metronome/episode", false, true, 32, 256, 96 * 1024};
 inline constexpr TopicProfile kActorStatusTopic{
     "metronome/actor_status", false, false, 4, 256, 512};
+inline constexpr TopicProfile kLearnerStatusTopic{
+    "metronome/learner_status", true, false, 1, 8, 4096};
 
 /// Reliable, data sharing off, finite resource limits.
 eprosima::fastdds::dds::DataWriterQos WriterQos(const TopicProfile& topic);

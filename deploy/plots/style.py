@@ -42,10 +42,14 @@ def handle(look, label=None, **options):
     return Line2D([], [], color=look.colour, label=label or look.label, **options)
 
 
-def legend(figure, handles, columns=None):
-    """One for the whole figure, below it."""
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns or min(len(handles), 5),
-                  handlelength=2.2, columnspacing=1.6)
+def legend(figure, handles, most_columns=5):
+    """One for the whole figure, below it, in as many columns as its width allows."""
+    for columns in range(min(len(handles), most_columns), 0, -1):
+        made = figure.legend(handles=handles, loc="outside lower center", ncols=columns,
+                             handlelength=2.2, columnspacing=1.6)
+        if columns == 1 or made.get_window_extent().width <= figure.bbox.width:
+            return
+        made.remove()
 
 
 def arm_handles(cells, arms):

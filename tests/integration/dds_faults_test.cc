@@ -132,5 +132,24 @@ TEST(DdsFaultsTest, StoppedActorIsLostAndComesBack) {
   } while (answer->episode.number != kOrdered);
 }
 
+TEST(DdsRejoinTest, AnActorThatJoinedByANewParticipantIsNotLostWithItsOldOne) {
+  const BusOptions options = FreshRun();
+  const auto learner = MakeDdsLearnerBus(options);
+  auto old_one = MakeDdsActorBus(options, 11);
+  ASSERT_TRUE(Join(*learner, *old_one, 11));
+  const auto new_one = MakeDdsActorBus(options, 11);
+  ASSERT_TRUE(Join(*learner, *new_one, 11));
+  auto witness = MakeDdsActorBus(options, 12);
+  ASSERT_TRUE(Join(*learner, *witness, 12));
+  old_one.reset();
+  witness.reset();  // noticed after the other, whose farewell came first
+  const auto lost = Next<ActorLost>(*learner);
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(lost->actor_id, 12U);
+  EXPECT_TRUE(SendWhenReachable(*learner, SomeOrder(11, 7)));
+  const auto order = Next<EpisodeOrder>(*new_one);
+  ASSERT_TRUE(order);
+}
+
 }  // namespace
 }  // namespace metronome::test

@@ -55,6 +55,37 @@ inline ActorStatus SomeStatus(std::uint64_t actor_id) {
   return status;
 }
 
+inline LearnerStatus SomeLearnerStatus(std::uint64_t incarnation, std::size_t actors = 2) {
+  LearnerStatus status;
+  status.incarnation = incarnation;
+  status.learner_id = 100;
+  status.run_name = "a-run";
+  status.task = "push";
+  status.engine = "mujoco-0.0.0";
+  status.host = "here";
+  status.pid = 78;
+  status.state = LearnerStatus::State::kUpdating;
+  std::uint64_t next = 1;  // every number differs: none is taken for another
+  for (std::uint64_t* count :
+       {&status.version, &status.updates_total, &status.steps, &status.total_steps,
+        &status.batch_episodes, &status.episodes_per_update, &status.accepted, &status.reordered,
+        &status.duplicates, &status.rejected, &status.stale, &status.bytes_sent,
+        &status.bytes_received, &status.checkpoint_version, &status.slots_total}) {
+    *count = next++;
+  }
+  for (double* number :
+       {&status.mean_return, &status.success, &status.success_end, &status.fps, &status.seconds,
+        &status.eta_seconds, &status.collect_seconds, &status.update_seconds, &status.idle_share}) {
+    *number = 0.5 + static_cast<double>(next++);
+  }
+  status.actors_total = actors;
+  for (std::size_t i = 0; i < actors; ++i) {
+    status.actors.push_back({"somewhere:" + std::to_string(i), 31, 32, 33.5, 34, 35, 36, 37.5, 38.5,
+                             i % 2 == 0, i % 2 == 1});
+  }
+  return status;
+}
+
 inline RunDescription SomeDescription(std::uint64_t learner_id, const std::string& run_name) {
   RunDescription description;
   description.learner_id = learner_id;

@@ -1,104 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <random>
 
-#include "common/dds/convert.h"
 #include "common/dds/dds_bus.h"
-#include "common/dds/endpoints.h"
-#include "common/dds/participant_qos.h"
-#include "common/dds/peer_watch.h"
 #include "tests/integration/dds_fixture.h"
+#include "tests/integration/raw_writer.h"
 
 namespace metronome::test {
 namespace {
-
-namespace fdds = eprosima::fastdds::dds;
-using Bytes = std::vector<char>;
-using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
-
-/// A type of any name whose samples are the bytes that they are given.
-class RawType final : public fdds::TopicDataType {
- public:
-  explicit RawType(const char* name) {
-    setName(name);
-    m_typeSize = 1024;
-    auto_fill_type_object(false);
-    auto_fill_type_information(false);
-  }
-  bool serialize(void* data, Payload* payload) override {
-    const auto& bytes = *static_cast<Bytes*>(data);
-    std::memcpy(payload->data, bytes.data(), bytes.size());
-    payload->length = static_cast<std::uint32_t>(bytes.size());
-    return true;
-  }
-  bool deserialize(Payload*, void*) override { return false; }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    return [data] { return static_cast<std::uint32_t>(static_cast<Bytes*>(data)->size()); };
-  }
-  void* createData() override { return new Bytes(); }
-  void deleteData(void* data) override { delete static_cast<Bytes*>(data); }
-  bool getKey(void*, fdds::InstanceHandle_t*, bool) override { return false; }
-};
-
-/// The bytes that a correct peer would send.
-template <class PubSubType, class Message>
-Bytes Encode(const Message& message) {
-  PubSubType type;
-  auto sample = dds::ToWire(message);
-  Payload payload(type.getSerializedSizeProvider(&sample)());
-  EXPECT_TRUE(type.serialize(&sample, &payload));
-  const char* data = reinterpret_cast<const char*>(payload.data);
-  return Bytes(data, data + payload.length);
-}
-
-/// Publishes raw bytes on one topic of a run.
-class Attacker {
- public:
-  template <class PubSubType>
-  Attacker(const BusOptions& options, const dds::TopicProfile& profile, PubSubType type)
-      : factory_(fdds::DomainParticipantFactory::get_instance()),
-        participant_(factory_->create_participant(options.domain,
-                                                  dds::ParticipantQos(options, "attacker"))) {
-    fdds::TypeSupport(new RawType(type.getName())).register_type(participant_);
-    fdds::PublisherQos qos = fdds::PUBLISHER_QOS_DEFAULT;
-    qos.partition().push_back(options.run_name.c_str());
-    writer_ = participant_->create_publisher(qos)->create_datawriter(
-        participant_->create_topic(profile.name, type.getName(), fdds::TOPIC_QOS_DEFAULT),
-        Qos(profile), &watch_);
-  }
-  ~Attacker() {
-    participant_->delete_contained_entities();
-    factory_->delete_participant(participant_);
-  }
-
-  bool WaitForReader() {
-    return inbox_
-        .Wait(Soon(), [this] { return watch_.HasReader() ? std::optional(true) : std::nullopt; })
-        .has_value();
-  }
-
-  void Write(Bytes bytes) {
-    while (writer_->write(&bytes, fdds::HANDLE_NIL) != dds::ReturnCode::RETCODE_OK) {
-    }
-    // One at a time, so that keep-last topics carry each.
-    EXPECT_EQ(writer_->wait_for_acknowledgments({20, 0}), dds::ReturnCode::RETCODE_OK);
-  }
-
- private:
-  static fdds::DataWriterQos Qos(const dds::TopicProfile& profile) {
-    fdds::DataWriterQos qos = dds::WriterQos(profile);
-    qos.reliable_writer_qos().times.heartbeatPeriod = {0, 2'000'000};  // acknowledged soon
-    return qos;
-  }
-
-  dds::Inbox inbox_;
-  dds::ReaderWatch watch_{&inbox_};
-  fdds::DomainParticipantFactory* const factory_;
-  fdds::DomainParticipant* const participant_;
-  fdds::DataWriter* writer_ = nullptr;
-};
 
 /// What is not an encoding of anything, and what is almost right.
 std::vector<Bytes> Corrupted(const Bytes& good) {
@@ -136,12 +46,12 @@ std::vector<Bytes> Corrupted(const Bytes& good) {
 template <class PubSubType, class Bus, class Message>
 std::optional<int> BadSamplesBefore(const BusOptions& options, Bus& bus,
                                     const dds::TopicProfile& profile, const Message& good) {
-  Attacker attacker(options, profile, PubSubType());
-  if (!attacker.WaitForReader()) return std::nullopt;
+  RawWriter attacker(options, profile, PubSubType().getName());
+  if (!attacker.WaitForReader(Soon())) return std::nullopt;
   const Bytes bytes = Encode<PubSubType>(good);
   int bad = 0;
   for (const Bytes& corrupted : Corrupted(bytes)) {
-    attacker.Write(corrupted);
+    EXPECT_TRUE(attacker.Write(corrupted));
     while (const auto event = bus.Wait(Clock::now())) {
       if (const auto* sample = std::get_if<BadSample>(&*event)) {
         EXPECT_EQ(sample->topic, profile.name);
@@ -150,7 +60,7 @@ std::optional<int> BadSamplesBefore(const BusOptions& options, Bus& bus,
       }
     }
   }
-  attacker.Write(bytes);
+  EXPECT_TRUE(attacker.Write(bytes));
   const auto arrived = Next<Message>(bus);
   if (!arrived || Encode<PubSubType>(*arrived) != bytes) return std::nullopt;
   return bad;
@@ -194,6 +104,15 @@ TEST(DdsHostileTest, SnapshotsOfAnyBytesAreReportedAndSurvived) {
   ASSERT_TRUE(bad);
   // The checksum finds whatever changes a number; only a changed incarnation passes.
   EXPECT_GE(*bad, 200);
+}
+
+TEST(DdsHostileTest, LearnerStatusesOfAnyBytesAreReportedAndSurvived) {
+  const BusOptions options = FreshRun();
+  const auto observer = MakeDdsObserverBus(options);
+  const auto bad = BadSamplesBefore<wire::LearnerStatusPubSubType>(
+      options, *observer, dds::kLearnerStatusTopic, SomeLearnerStatus(3));
+  ASSERT_TRUE(bad);
+  EXPECT_GE(*bad, kSurelyBad);
 }
 
 TEST(DdsHostileTest, OrdersOfAnyBytesAreSurvived) {
@@ -243,11 +162,11 @@ TEST(DdsHostileTest, DescriptionOfAnotherProtocolVersionTellsItsVersionToActorsA
 TEST(DdsHostileTest, EpisodeOfAnotherProtocolVersionIsReportedWithBothVersions) {
   const BusOptions options = FreshRun();
   const auto learner = MakeDdsLearnerBus(options);
-  Attacker attacker(options, dds::kEpisodeTopic, wire::EpisodePubSubType());
-  ASSERT_TRUE(attacker.WaitForReader());
+  RawWriter attacker(options, dds::kEpisodeTopic, wire::EpisodePubSubType().getName());
+  ASSERT_TRUE(attacker.WaitForReader(Soon()));
   Bytes bytes = Encode<wire::EpisodePubSubType>(SomeEpisode(1, 1));
   bytes[4] = 42;  // behind the encapsulation: protocol_version, little-endian
-  attacker.Write(bytes);
+  EXPECT_TRUE(attacker.Write(bytes));
   const auto bad = Next<BadSample>(*learner);
   ASSERT_TRUE(bad);
   EXPECT_EQ(bad->reason,

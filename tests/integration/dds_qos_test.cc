@@ -67,6 +67,7 @@ TEST(DdsQosTest, LiveEndpointsHaveTheQualityOfServiceOfTheTable) {
                                           {volatile_kind, all, 4096, 1024});
   ExpectQos<wire::EpisodePubSubType>(dds::kEpisodeTopic, {volatile_kind, all, 32, 256});
   ExpectQos<wire::ActorStatusPubSubType>(dds::kActorStatusTopic, {volatile_kind, last, 4, 256});
+  ExpectQos<wire::LearnerStatusPubSubType>(dds::kLearnerStatusTopic, {transient, last, 1, 8});
 }
 
 TEST(DdsQosTest, ParticipantsAreLostAfterTheirLease) {
@@ -76,16 +77,21 @@ TEST(DdsQosTest, ParticipantsAreLostAfterTheirLease) {
   EXPECT_EQ(discovery.leaseDuration_announcementperiod, eprosima::fastrtps::Duration_t(0.5));
 }
 
-/// The names of the participants that one has discovered so far.
+/// The names of the participants of one run that one has discovered so far. Others may be in the
+/// domain: those of another test, or of a real run on this machine.
 class Sightings final : public fdds::DomainParticipantListener {
  public:
   using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
+
+  explicit Sightings(std::string run) : run_(std::move(run)) {}
 
   void on_participant_discovery(fdds::DomainParticipant* /*participant*/,
                                 Info&& discovered) override {
     const std::lock_guard lock(mutex_);
     if (discovered.status != Info::DISCOVERED_PARTICIPANT) return;
-    names_.insert(discovered.info.m_participantName.to_string());
+    const std::string name = discovered.info.m_participantName.to_string();
+    if (!name.starts_with(run_)) return;
+    names_.insert(name.substr(run_.size()));
     changed_.notify_all();
   }
 
@@ -99,6 +105,7 @@ class Sightings final : public fdds::DomainParticipantListener {
   }
 
  private:
+  const std::string run_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::set<std::string> names_;
@@ -107,11 +114,13 @@ class Sightings final : public fdds::DomainParticipantListener {
 TEST(DdsQosTest, ActorsFindTheLearnerAndNotEachOther) {
   const BusOptions options = FreshRun();
   auto* factory = fdds::DomainParticipantFactory::get_instance();
-  std::array<Sightings, 3> seen;
+  std::array<Sightings, 3> seen{Sightings(options.run_name + " "),
+                                Sightings(options.run_name + " "),
+                                Sightings(options.run_name + " ")};
   std::vector<fdds::DomainParticipant*> all;
   for (const std::string name : {"first", "second", "learner"}) {
     auto qos = dds::ParticipantQos(options, name == "learner" ? name : dds::kActorRole);
-    qos.name(name);
+    qos.name(options.run_name + " " + name);
     all.push_back(factory->create_participant(options.domain, qos, &seen[all.size()],
                                               fdds::StatusMask::none()));
     ASSERT_NE(all.back(), nullptr);

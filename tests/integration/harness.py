@@ -43,12 +43,14 @@ SMALL = (
 class Process:
     """A child whose output is read as it comes."""
 
-    def __init__(self, command):
+    def __init__(self, command, on_line=None):
+        """@param on_line  called with each line, in a thread of its own."""
         self.command = [str(word) for word in command]
         self.lines = []  # of both streams, as they came
         self.output = []  # of standard output alone
         self._changed = threading.Condition()
         self._open = 2
+        self._on_line = on_line or (lambda line: None)
         self.child = children.start(
             self.command,
             stdout=subprocess.PIPE,
@@ -66,6 +68,7 @@ class Process:
                 if stream is self.child.stdout:
                     self.output.append(line)
                 self._changed.notify_all()
+            self._on_line(line)
         with self._changed:
             self._open -= 1
             self._changed.notify_all()
@@ -92,16 +95,23 @@ class Process:
 
     def expect_event(self, name):
         return self.expect(
-            lambda line: _json(line) if _json(line).get("event") == name else None, f"event {name}"
+            lambda line: parse_json(line) if parse_json(line).get("event") == name else None, f"event {name}"
         )
 
-    def expect_update(self, number):
+    def updates(self):
+        """@return how many updates the learner has told of so far."""
+        with self._changed:
+            told = [parse_json(line) for line in self.lines]
+        return max((said["update"] for said in told if "update" in said), default=0)
+
+    def expect_update(self, number, seconds=DEADLINE):
         """Waits for the learner's word that `number` updates or more are done."""
         return self.expect(
-            lambda line: _json(line)
-            if _json(line).get("update", -1) >= number and "event" not in _json(line)
+            lambda line: parse_json(line)
+            if parse_json(line).get("update", -1) >= number and "event" not in parse_json(line)
             else None,
             f"update {number}",
+            seconds,
         )
 
     def wait(self, seconds=DEADLINE):
@@ -133,7 +143,7 @@ class Process:
         return f"{' '.join(self.command)}\nexit code {self.child.poll()}\n" + self.text
 
 
-def _json(line):
+def parse_json(line):
     if not line.startswith("{"):
         return {}
     try:
@@ -222,4 +232,9 @@ class Stage:
         for process in self.processes:
             if process.child.poll() is None:
                 process.kill()
+        # Killed processes leave shared memory; the runs of a test are not gone on with.
+        for note in Path("/dev/shm").glob(f"metronome-{self.domain}-*"):
+            for name in note.read_text().split():
+                (note.parent / name).unlink(missing_ok=True)
+            note.unlink(missing_ok=True)
         self._claim.close()

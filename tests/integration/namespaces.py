@@ -1,99 +1,158 @@
-"""Machines of a test: network namespaces around a router, each host on a subnet of its own.
+"""Machines of a test on one machine: network namespaces, each in a subnet of its own behind a router.
+Nothing but the router's forwarding connects them, so no multicast passes from one to another."""
 
-Nothing but routed unicast passes between two hosts: no multicast, no shared subnet. Needs root.
-"""
-
-import itertools
+import json
 import os
 import subprocess
-import time
-
-_SERIAL = itertools.count()
 
 
-def _ip(*words):
-    done = subprocess.run(["ip", *words], capture_output=True, text=True)
+def unavailable():
+    """@return why no namespaces can be made here, or None."""
+    if os.geteuid() != 0:
+        return "network namespaces need root"
+    probe = f"metronome-probe-{os.getpid()}"
+    made = subprocess.run(["ip", "netns", "add", probe], capture_output=True, text=True)
+    if made.returncode != 0:
+        return f"no network namespaces here: {made.stderr.strip()}"
+    _run("ip", "netns", "delete", probe)
+    return None
+
+
+def _run(*command):
+    done = subprocess.run(
+        [str(word) for word in command], capture_output=True, text=True, check=False
+    )
     if done.returncode != 0:
-        raise OSError(f"ip {' '.join(words)}: {done.stderr.strip()}")
+        raise RuntimeError(f"{' '.join(map(str, command))}: {done.stderr.strip()}")
+    return done.stdout
 
 
-class Host:
-    """One machine: a network namespace and its link to the router."""
+class Namespace:
+    def __init__(self, name):
+        self.name = name
+        _run("ip", "netns", "add", name)
+        self.run("ip", "link", "set", "lo", "up")
 
-    def __init__(self, name, namespace, router, number):
-        self.name, self.namespace = name, namespace
-        self.address = f"10.77.{number}.2"
-        self._router, self._link = router, f"to-{number}"
-        gateway = f"10.77.{number}.1"
-        _ip("link", "add", self._link, "netns", router, "type", "veth",
-            "peer", "name", "eth0", "netns", namespace)  # fmt: skip
-        _ip("-n", router, "address", "add", f"{gateway}/24", "dev", self._link)
-        _ip("-n", router, "link", "set", self._link, "up")
-        _ip("-n", namespace, "address", "add", f"{self.address}/24", "dev", "eth0")
-        _ip("-n", namespace, "link", "set", "eth0", "up")
-        _ip("-n", namespace, "route", "add", "default", "via", gateway)
-        self._await_carrier()
+    def command(self, *command):
+        """@return what to execute, so that `command` runs inside (as the same process id)."""
+        return ["ip", "netns", "exec", self.name, *map(str, command)]
 
-    def _await_carrier(self, seconds=10):
-        """Fast DDS announces for good the addresses of links that run when it starts: an earlier
-        process would only ever be answered on 127.0.0.1."""
-        show = ["ip", "-n", self.namespace, "-brief", "link", "show", "eth0"]
-        deadline = time.monotonic() + seconds
-        while " UP " not in subprocess.run(show, capture_output=True, text=True).stdout:
-            if time.monotonic() > deadline:
-                raise OSError(f"the link of {self.namespace} is not up after {seconds} s")
+    def run(self, *command):
+        return _run(*self.command(*command))
 
-    def command(self, *words):
-        """The command that runs `words` on this host, as one process."""
-        return ["ip", "netns", "exec", self.namespace, *words]
+    def close(self):
+        subprocess.run(["ip", "netns", "delete", self.name], capture_output=True, check=False)
 
-    def unplug(self):
-        """The router's end goes down: packets are lost, the host's own address stays."""
-        _ip("-n", self._router, "link", "set", self._link, "down")
 
-    def plug(self):
-        _ip("-n", self._router, "link", "set", self._link, "up")
+class Host(Namespace):
+    """A machine with one network card. Conditions of its link are set at the router's end, so that
+    the machine itself notices nothing but their effect."""
+
+    def __init__(self, router, prefix, name, number):
+        super().__init__(f"{prefix}-{name}")
+        self.host_name = name
+        self.router = router
+        self.address = f"10.213.{number}.2"
+        self.gateway = f"10.213.{number}.1"
+        self.port = f"to{number}"  # the router's end
+        self._tables = 0
+
+    def plug_in(self):
+        """Joins the machine to the router by a veth pair."""
+        _run(
+            *("ip", "link", "add", self.port, "netns", self.router.name, "type", "veth"),
+            *("peer", "name", "eth0", "netns", self.name),
+        )
+        self.configure()
+
+    def configure(self):
+        """Addresses and routes, once both ends of the link are there."""
+        self.router.run("ip", "address", "add", f"{self.gateway}/30", "dev", self.port)
+        self.router.run("ip", "link", "set", self.port, "up")
+        self.run("ip", "address", "add", f"{self.address}/30", "dev", "eth0")
+        self.run("ip", "link", "set", "eth0", "up")
+        self.run("ip", "route", "add", "default", "via", self.gateway, "dev", "eth0")
+
+    def process(self, *command):
+        """As command(), under the machine's own host name."""
+        named = 'hostname "$0" && exec "$@"'
+        return self.command("unshare", "--uts", "sh", "-c", named, self.host_name, *command)
+
+    def set_link(self, state):
+        """@param state  "up" or "down"."""
+        self.router.run("ip", "link", "set", self.port, state)
+
+    def drop(self, share, direction="both"):
+        """Loses a random share, in [0, 1], of the packets "from" or "to" the machine, or "both".
+        @return a name for dropped() and stop_dropping()."""
+        self._tables += 1
+        table = f"{self.port}-{self._tables}"
+        ways = {"from": ["iifname"], "to": ["oifname"], "both": ["iifname", "oifname"]}[direction]
+        which = "" if share >= 1 else f"numgen random mod 1000 < {round(share * 1000)} "
+        rules = "; ".join(f'{way} "{self.port}" {which}counter drop' for way in ways)
+        chain = f"chain lossy {{ type filter hook forward priority 0; {rules}; }}"
+        self.router.run("nft", f"table inet {table} {{ {chain}; }}")
+        return table
+
+    def dropped(self, table):
+        """@return packets lost by drop() so far."""
+        listing = json.loads(self.router.run("nft", "-j", "list", "table", "inet", table))
+        return sum(
+            part["counter"]["packets"]
+            for entry in listing["nftables"]
+            for part in entry.get("rule", {}).get("expr", [])
+            if "counter" in part
+        )
+
+    def stop_dropping(self, table):
+        self.router.run("nft", "delete", "table", "inet", table)
+
+    def narrow(self, bits_per_second):
+        """Limits what the machine receives and sends (token bucket, at most 0.2 s queued)."""
+        for end, device in ((self.router, self.port), (self, "eth0")):
+            end.run(
+                *("tc", "qdisc", "replace", "dev", device, "root", "tbf"),
+                *("rate", f"{bits_per_second}bit", "burst", "16kb", "latency", "200ms"),
+            )
+
+    def narrowed(self):
+        """@return packets that narrow() has delayed or dropped so far."""
+        total = 0
+        for end, device in ((self.router, self.port), (self, "eth0")):
+            shown = end.run("tc", "-s", "-j", "qdisc", "show", "dev", device)
+            total += sum(q.get("overlimits", 0) + q.get("drops", 0) for q in json.loads(shown))
+        return total
+
+    def widen(self):
+        for end, device in ((self.router, self.port), (self, "eth0")):
+            end.run("tc", "qdisc", "delete", "dev", device, "root")
 
 
 class Network:
-    """A router and the hosts around it; as a context it leaves nothing behind.
-
-    @throws OSError where this process may not make network namespaces.
-    """
+    """Machines around a router. Close it: namespaces outlive the process that made them."""
 
     def __init__(self):
-        self._prefix = f"metronome-{os.getpid()}-{next(_SERIAL)}"
-        self._namespaces = []
-        self._hosts = 0
+        self._prefix = f"metronome-{os.getpid()}"
+        self.hosts = {}
+        self.router = Namespace(f"{self._prefix}-router")
+        self.router.run("sysctl", "-qw", "net.ipv4.ip_forward=1")
+
+    def host(self, name, plug_in=True):
+        """A new machine. @param plug_in  false: the caller makes its link (device "eth0" inside,
+        `port` in the router) and calls configure()."""
+        made = Host(self.router, self._prefix, name, len(self.hosts) + 1)
+        self.hosts[name] = made
+        if plug_in:
+            made.plug_in()
+        return made
+
+    def close(self):
+        for host in self.hosts.values():
+            host.close()
+        self.router.close()
 
     def __enter__(self):
-        try:
-            self._router = self._namespace("router")
-            subprocess.run(
-                ["ip", "netns", "exec", self._router, "sysctl", "-qw", "net.ipv4.ip_forward=1"],
-                check=True,
-            )
-        except BaseException:
-            self.close()
-            raise
         return self
 
     def __exit__(self, *_):
         self.close()
-
-    def _namespace(self, name):
-        namespace = f"{self._prefix}-{name}"
-        _ip("netns", "add", namespace)
-        self._namespaces.append(namespace)
-        _ip("-n", namespace, "link", "set", "lo", "up")
-        return namespace
-
-    def host(self, name):
-        """A new machine, reachable from all others by its `address`."""
-        self._hosts += 1
-        return Host(name, self._namespace(name), self._router, self._hosts)
-
-    def close(self):
-        """Removes all namespaces; their links go with them. Processes in them must have ended."""
-        while self._namespaces:
-            _ip("netns", "delete", self._namespaces.pop())

@@ -1,8 +1,11 @@
 #include "actor/actor_client.h"
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <future>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -288,6 +291,40 @@ TEST_F(ActorClientTest, OfTwoLearnersOfOneIncarnationTheLowerIdIsObeyed) {
   bus_.Push(LearnerLost{4});
   bus_.Push(Describe(2, 1));
   ASSERT_TRUE(WaitForStatusOf(2));
+}
+
+/// What is logged while it lives.
+class LogCapture {
+ public:
+  LogCapture() : before_(spdlog::default_logger()) {
+    auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(text_);
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("captured", sink));
+  }
+  ~LogCapture() { spdlog::set_default_logger(before_); }
+  /// Only once nobody logs any more.
+  std::string text() const { return text_.str(); }
+
+ private:
+  std::shared_ptr<spdlog::logger> before_;
+  std::ostringstream text_;
+};
+
+TEST_F(ActorClientTest, SaysWhatItWaitsForWhenNothingIsOrdered) {
+  const LogCapture log;
+  options_.status_every = std::chrono::milliseconds(5);
+  options_.idle_notice_every = std::chrono::milliseconds(20);
+  Start();
+  bus_.Push(Describe(1));
+  ASSERT_TRUE(bus_.WaitUntil([](const auto&, const auto& sent) { return sent.size() > 20; }));
+  bus_.Push(Order(1, 4, {0, 1}));
+  ASSERT_TRUE(bus_.WaitUntil([](const auto&, const auto& sent) { return sent.size() > 40; }));
+  bus_.Push(Snapshot(1, 4));
+  ASSERT_TRUE(WaitForEpisodes(2));
+  client_->Stop();
+  EXPECT_EQ(End(), ActorEnd::kStopped);
+  EXPECT_NE(log.text().find("has ordered nothing"), std::string::npos) << log.text();
+  EXPECT_NE(log.text().find("2 ordered episodes wait for their policy snapshot"), std::string::npos)
+      << log.text();
 }
 
 TEST_F(ActorClientTest, GivesUpWithoutALearner) {

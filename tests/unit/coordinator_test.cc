@@ -49,6 +49,61 @@ TEST(CoordinatorTest, ARunLearnsFromEachNumberOnceInOrderAndEndsWithItsAccounts)
   EXPECT_LT(run.bus.waits, 200) << "it polls";
 }
 
+TEST(CoordinatorTest, WhoeverWatchesIsToldOnceASecondAndAtTheEnd) {
+  FakeRun run;
+  run.setup.status = {"push", "here", 42, 120};
+  run.AddActor(1, 2).duration = milliseconds(3000);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  const auto& statuses = run.bus.statuses;
+  ASSERT_GT(statuses.size(), 5U);
+  EXPECT_EQ(statuses.front().state, LearnerStatus::State::kWaitingForActors);
+  EXPECT_EQ(statuses[1].state, LearnerStatus::State::kCollecting);
+  for (std::size_t i = 1; i + 1 < statuses.size(); ++i) {
+    EXPECT_NEAR(statuses[i].seconds - statuses[i - 1].seconds, 1, 1e-9) << i;
+  }
+  const LearnerStatus& last = statuses.back();
+  EXPECT_EQ(last.state, LearnerStatus::State::kFinished);
+  EXPECT_EQ(last.task, "push");
+  EXPECT_EQ(last.host, "here");
+  EXPECT_EQ(last.incarnation, FakeRun::kIncarnation);
+  EXPECT_EQ(last.version, 3U);
+  EXPECT_EQ(last.steps, 120U);
+  EXPECT_EQ(last.eta_seconds, 0);
+  EXPECT_EQ(last.accepted, 12U);
+  EXPECT_EQ(last.checkpoint_version, 3U);
+}
+
+TEST(CoordinatorTest, AStatusShowsEachActorAndTheAgeOfItsOldestOrder) {
+  FakeRun run;
+  FakeActor& actor = run.AddActor(1, 2);
+  actor.duration = milliseconds(1900);
+  actor.status.pid = 5;
+  actor.status.steps_per_second = 250;
+  EXPECT_EQ(run.Run(), kExitFinished);
+  const LearnerStatus& second = run.bus.statuses.at(1);
+  ASSERT_EQ(second.actors.size(), 1U);
+  EXPECT_EQ(second.actors_total, 1U);
+  EXPECT_EQ(second.slots_total, 2U);
+  const ActorReport& shown = second.actors.front();
+  EXPECT_EQ(shown.name, "host1:5");
+  EXPECT_EQ(shown.slots, 2U);
+  EXPECT_EQ(shown.steps_per_second, 250);
+  EXPECT_EQ(shown.orders, 2U);
+  EXPECT_NEAR(shown.oldest_order_seconds, 0.999, 1e-9);
+  EXPECT_NEAR(shown.silent_seconds, 0.999, 1e-9);
+  EXPECT_FALSE(shown.on_probation);
+  EXPECT_FALSE(shown.unanswering);
+}
+
+TEST(CoordinatorTest, AStoppedRunSaysSoToWhoeverWatches) {
+  FakeRun run;
+  run.AddActor(1);
+  run.bus.CallAfter(milliseconds(2500), [&run] { run.coordinator->RequestStop(SIGTERM); });
+  run.setup.rules.updates_total = 100;
+  EXPECT_EQ(run.Run(), kExitSignalBase + SIGTERM);
+  EXPECT_EQ(run.bus.statuses.back().state, LearnerStatus::State::kStopped);
+}
+
 TEST(CoordinatorTest, VersionZeroIsOnDiskBeforeTheFirstOrderAndEachVersionAfterIt) {
   FakeRun run;
   run.AddActor(1);
@@ -323,7 +378,7 @@ TEST(CoordinatorTest, ARunWithoutActorsWaitsWithoutPolling) {
   FakeRun run;
   run.bus.CallAfter(seconds(3600), [&] { run.coordinator->RequestStop(SIGINT); });
   EXPECT_EQ(run.Run(), 130);
-  EXPECT_LT(run.bus.waits, 3600 / 5 + 20);  // a call for actors every five seconds
+  EXPECT_LT(run.bus.waits, 3600 + 3600 / 5 + 20);  // a status a second, a call for actors every five
 }
 
 TEST(CoordinatorTest, AnActorThatComesLateIsServed) {

@@ -87,6 +87,25 @@ TEST(ConvertTest, OrderOfUnknownKindIsRefused) {
   EXPECT_EQ(Complaint(order), "kind 2 of order is unknown");
 }
 
+TEST(ConvertTest, LearnerStatusSurvivesTheWire) {
+  const LearnerStatus status = test::SomeLearnerStatus(3);
+  EXPECT_EQ(FromWire(ToWire(status)), status);
+}
+
+TEST(ConvertTest, LearnerStatusOfMoreActorsThanTheWireCarriesListsTheFirstAndCountsAll) {
+  const LearnerStatus status = test::SomeLearnerStatus(3, wire::kMaxActorReports + 5);
+  const LearnerStatus arrived = FromWire(ToWire(status));
+  EXPECT_EQ(arrived.actors.size(), wire::kMaxActorReports);
+  EXPECT_EQ(arrived.actors_total, wire::kMaxActorReports + 5);
+}
+
+TEST(ConvertTest, LearnerStatusOfUnknownStateIsRefused) {
+  wire::LearnerStatus status = ToWire(test::SomeLearnerStatus(3));
+  EXPECT_EQ(Complaint(status), "");
+  status.state(5);
+  EXPECT_EQ(Complaint(status), "state 5 of learner is unknown");
+}
+
 TEST(ConvertTest, StatusThatNoActorSendsIsRefused) {
   wire::ActorStatus status = ToWire(SomeStatus(1));
   EXPECT_EQ(Complaint(status), "");

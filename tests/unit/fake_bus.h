@@ -33,6 +33,7 @@ class FakeBus final : public LearnerBus {
     if (on_description) on_description(description);
   }
   void Publish(const PolicySnapshot& snapshot) override { snapshots.push_back(snapshot); }
+  void Publish(const LearnerStatus& status) override { statuses.push_back(status); }
   bool Send(const EpisodeOrder& order) override {
     orders.push_back(order);
     return !on_order || on_order(order);
@@ -55,6 +56,7 @@ class FakeBus final : public LearnerBus {
   std::vector<RunDescription> descriptions;
   std::vector<PolicySnapshot> snapshots;
   std::vector<EpisodeOrder> orders;
+  std::vector<LearnerStatus> statuses;
   std::function<void(const RunDescription&)> on_description;
   std::function<bool(const EpisodeOrder&)> on_order;  // @return whether the actor is connected
   int waits = 0;

@@ -32,6 +32,7 @@ class FakeLearning final : public Learning {
     current.steps += batch.size() * 10;
     UpdateReport report;
     report.version = current.version;
+    report.steps = current.steps;
     return report;
   }
   [[nodiscard]] PolicySnapshot Snapshot(const TrainState& state) const override {

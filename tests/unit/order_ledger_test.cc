@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <deque>
 #include <map>
 #include <queue>
 #include <random>
@@ -212,22 +213,99 @@ TEST(OrderLedgerTest, ASampleLostOnTheWayIsOrderedAgainEvenFromTheOnlyActor) {
   EXPECT_EQ(now, At(2700));  // nine medians
 }
 
-TEST(OrderLedgerTest, AnActorThatGaveUpAnOrderIsAskedAgainOnlyWhenItSpeaks) {
+TEST(OrderLedgerTest, AnActorThatHangsIsTriedAgainEverLessOftenAndWithOneOrder) {
   OrderLedger ledger(Rules(40, 1));
   ledger.Join(1, "hangs", 1, At(0));
   ledger.Join(2, "works", 1, At(0));
   EXPECT_EQ(NumbersOf(ledger.Plan(At(0)), 1), (Numbers{0, 2}));
   int now = 0;
   Numbers brought_by_2{1, 3};
-  std::set<std::uint64_t> asked_of_1;
+  std::vector<int> asked_of_1_at;
   for (std::size_t i = 0; i < brought_by_2.size() && now < 40000; ++i) {
     Bring(ledger, brought_by_2[i], 2, now += 300);
     const auto plan = ledger.Plan(At(now));
     for (const auto number : NumbersOf(plan, 2)) brought_by_2.push_back(number);
-    for (const auto number : NumbersOf(plan, 1)) asked_of_1.insert(number);
+    for ([[maybe_unused]] const auto number : NumbersOf(plan, 1)) asked_of_1_at.push_back(now);
   }
-  EXPECT_TRUE(asked_of_1.empty());
   EXPECT_TRUE(ledger.IsComplete(0));
+  // Orders are lost after 2700 ms (nine medians of 300), the rest after it is 1 s, 2 s, ...
+  EXPECT_EQ(asked_of_1_at, (std::vector<int>{3900, 8700}));
+}
+
+TEST(OrderLedgerTest, AnActorThatWasMerelySlowWorksOnOnceItSpeaks) {
+  OrderLedger ledger(Rules(40, 1));
+  ledger.Join(1, "slow", 1, At(0));
+  ledger.Join(2, "fast", 1, At(0));
+  EXPECT_EQ(NumbersOf(ledger.Plan(At(0)), 1), (Numbers{0, 2}));
+  Numbers brought_by_2{1, 3};
+  int now = 0;
+  for (std::size_t i = 0; now < 3300; ++i) {
+    Bring(ledger, brought_by_2[i], 2, now += 300);
+    const auto plan = ledger.Plan(At(now));
+    for (const auto number : NumbersOf(plan, 2)) brought_by_2.push_back(number);
+    EXPECT_TRUE(NumbersOf(plan, 1).empty()) << now;
+  }
+  // What it was given up for comes, a duplicate: it gets orders at once, two for its slot.
+  EXPECT_EQ(ledger.StandingOf(0, 1), Standing::kDuplicate);
+  ledger.ArriveAgain(0, 1, false, At(3310));
+  EXPECT_EQ(NumbersOf(ledger.Plan(At(3310)), 1).size(), 2U);
+}
+
+TEST(OrderLedgerTest, WhatIsLateIsAskedEvenOfAnActorThatRests) {
+  OrderRules rules = Rules(2, 1);
+  rules.first_rest = milliseconds(50000);
+  OrderLedger ledger(rules);
+  ledger.Join(1, "hangs", 1, At(0));
+  EXPECT_EQ(NumbersOf(ledger.Plan(At(0)), 1), (Numbers{0}));
+  EXPECT_TRUE(ledger.Plan(At(17999)).empty());
+  ledger.Join(2, "works", 1, At(18000));
+  const auto plan = ledger.Plan(At(18000));  // lost at 1, which rests now
+  EXPECT_EQ(NumbersOf(plan, 2), (Numbers{0}));
+  EXPECT_TRUE(NumbersOf(plan, 1).empty());
+  Bring(ledger, 0, 2, 18400);
+  EXPECT_EQ(NumbersOf(ledger.Plan(At(18400)), 2), (Numbers{1}));
+  EXPECT_TRUE(ledger.Plan(At(19599)).empty());
+  // Three medians of 400 later it is late, and 1 has an idle slot.
+  EXPECT_EQ(NumbersOf(ledger.Plan(At(19600)), 1), (Numbers{1}));
+}
+
+// Fifteen times slower all of a sudden: what is repeated stays within bounds, the estimate adapts.
+TEST(OrderLedgerTest, ASuddenSlownessOfEverybodyDoesNotBuryThemUnderRepeatedOrders) {
+  OrderLedger ledger(Rules(200, 1));
+  ledger.Join(1, "a", 1, At(0));
+  ledger.Join(2, "b", 1, At(0));
+  std::map<std::uint64_t, std::deque<std::uint64_t>> queues;  // of each actor, oldest first
+  std::map<std::uint64_t, int> free_at{{1, 0}, {2, 0}};
+  for (int now = 0; !ledger.IsComplete(0) && now < 400'000; now += 10) {
+    for (const auto& assignment : ledger.Plan(At(now))) {
+      for (const auto number : assignment.numbers) queues[assignment.actor_id].push_back(number);
+    }
+    for (auto& [actor, queue] : queues) {
+      if (queue.empty() || now < free_at[actor]) continue;
+      const std::uint64_t number = queue.front();
+      queue.pop_front();
+      if (ledger.StandingOf(number, actor) == Standing::kWanted) {
+        Bring(ledger, number, actor, now);
+      } else {
+        ledger.ArriveAgain(number, actor, false, At(now));
+      }
+      free_at[actor] = now + (now < 3000 ? 100 : 1500);
+    }
+  }
+  EXPECT_TRUE(ledger.IsComplete(0));
+  EXPECT_LT(ledger.counts().reordered, 60U);
+}
+
+TEST(OrderLedgerTest, AnActorThatIsNotTrustedYetIsAskedOnlyIfNobodyElseIsThere) {
+  OrderLedger ledger(Rules(8, 1));
+  ledger.Join(1, "flaps", 1, At(0), At(5000));
+  EXPECT_EQ(NumbersOf(ledger.Plan(At(0)), 1), (Numbers{0, 1}));
+  ledger.Lose(1, At(10));
+  ledger.Join(2, "steady", 1, At(20));
+  ledger.Join(1, "flaps", 1, At(20), At(5000));
+  EXPECT_EQ(AllNumbers(ledger.Plan(At(20))), (Numbers{0, 1}));
+  EXPECT_EQ(ledger.NextDeadline(At(4000)), At(5000));  // by when 2's orders are long late
+  EXPECT_EQ(NumbersOf(ledger.Plan(At(5000)), 1), (Numbers{2, 3}));
 }
 
 TEST(OrderLedgerTest, ARejectedEpisodeIsOrderedAgainAndCountedByReasonAndActor) {

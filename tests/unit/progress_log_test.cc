@@ -179,23 +179,28 @@ TEST_F(ProgressLogTest, AMissingFileStartsAnew) {
   EXPECT_EQ(Cell(1, "update"), "9");
 }
 
-TEST_F(ProgressLogTest, AFullDiskLosesTheRowButNeitherTheFileNorTheRun) {
+TEST_F(ProgressLogTest, RowsWaitWhileTheDiskIsFullAndAreInTheFileOnceThereIsRoom) {
   const pid_t child = fork();
   ASSERT_GE(child, 0);
-  if (child == 0) {  // the limit cannot be raised again: room for the header and half a row
+  if (child == 0) {  // under a limit of its own: room for the header and half a row
     signal(SIGXFSZ, SIG_IGN);
     ProgressLog log(path_, 2, 0);
     const auto header = log.bytes();
-    const rlimit limit{header + 20, header + 20};
+    const rlimit limit{header + 20, RLIM_INFINITY};
     setrlimit(RLIMIT_FSIZE, &limit);
     log.Append(MetricsOf(Report(1), {}));
-    _exit(log.bytes() == header ? 0 : 1);
+    log.Append(MetricsOf(Report(2), {}));
+    const bool waited = log.bytes() == header && !log.Flush() && ReadTable(path_).size() == 1;
+    const rlimit room{RLIM_INFINITY, RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &room);
+    log.Append(MetricsOf(Report(3), {}));
+    _exit(waited && log.Flush() ? 0 : 1);
   }
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, 0), child);
   EXPECT_EQ(status, 0);
-  EXPECT_EQ(ReadTable(path_).size(), 1u);
-  EXPECT_TRUE(ReadFile(path_).ends_with('\n'));
+  ASSERT_EQ(ReadTable(path_).size(), 4u);
+  for (std::size_t row = 1; row <= 3; ++row) EXPECT_EQ(Cell(row, "update"), std::to_string(row));
 }
 
 TEST(MetricsTest, PerHeadListsMustAgree) {

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "learner/options.h"
+
+namespace metronome {
+
+/// `status`: shows the newest learner of a run, over DDS alone. @return an ExitCode; kExitNoLearner
+/// if none of that run is heard in time.
+int WatchRun(const StatusOptions& options);
+
+}  // namespace metronome

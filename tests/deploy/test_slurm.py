@@ -1,0 +1,151 @@
+"""One run as one job of a real Slurm: two nodes, which are two slurmd of this machine."""
+
+import getpass
+import os
+import shutil
+import socket
+import subprocess
+import time
+
+import pytest
+
+import children
+from harness import BUILD, DEADLINE, ROOT, SMALL
+
+PROGRAMS = ("slurmctld", "slurmd", "munged", "sbatch", "srun", "scontrol")
+missing = [name for name in PROGRAMS if not shutil.which(name, path="/usr/sbin:/usr/bin")]
+pytestmark = [
+    pytest.mark.skipif(bool(missing), reason="not installed (slurm-wlm, munge): " + " ".join(missing)),
+    pytest.mark.skipif(os.geteuid() != 0, reason="slurmd is root's"),
+    pytest.mark.skipif(BUILD != ROOT / "build", reason="the job's programs are those of build/"),
+]
+
+CONFIG = """ClusterName=test
+SlurmctldHost={host}(127.0.0.1)
+SlurmUser={user}
+SlurmdUser={user}
+AuthType=auth/munge
+AuthInfo=socket={folder}/munge
+StateSaveLocation={folder}/state
+SlurmdSpoolDir={folder}/%n
+SlurmctldPidFile={folder}/slurmctld.pid
+SlurmdPidFile={folder}/%n.pid
+SlurmctldPort={ports[0]}
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+MpiDefault=none
+SelectType=select/cons_tres
+SchedulerParameters=sched_interval=1,bf_interval=1,batch_sched_delay=0
+SlurmdParameters=config_overrides
+NodeName=n1 NodeHostname={host} NodeAddr=127.0.0.1 Port={ports[1]} CPUs=4
+NodeName=n2 NodeHostname={host} NodeAddr=127.0.0.1 Port={ports[2]} CPUs=4
+PartitionName=all Nodes=n1,n2 Default=YES State=UP
+"""
+
+
+def wait_until(true, what, seconds=DEADLINE):
+    """Other processes' files and states have no event to wait for."""
+    deadline = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < deadline, f"after {seconds} s not: {what()}"
+        time.sleep(0.1)
+
+
+def free_ports(count):
+    sockets = [socket.socket() for _ in range(count)]
+    for each in sockets:
+        each.bind(("127.0.0.1", 0))
+    ports = [each.getsockname()[1] for each in sockets]
+    for each in sockets:
+        each.close()
+    return ports
+
+
+class Cluster:
+    def __init__(self, folder):
+        self.folder = folder
+        folder.chmod(0o755)
+        for name in ("state", "n1", "n2"):
+            (folder / name).mkdir()
+        (folder / "key").write_bytes(os.urandom(128))
+        (folder / "key").chmod(0o600)
+        config = folder / "slurm.conf"
+        config.write_text(
+            CONFIG.format(
+                host=socket.gethostname().split(".")[0],
+                user=getpass.getuser(),
+                folder=folder,
+                ports=free_ports(3),
+            )
+        )
+        self.environment = dict(
+            os.environ, SLURM_CONF=str(config), PATH=f"/usr/sbin:{os.environ['PATH']}"
+        )
+        files = {"socket": "munge", "key-file": "key", "pid-file": "pid", "seed-file": "seed"}
+        munge = [f"--{option}={folder / name}" for option, name in files.items()]
+        self.daemons = [self.start("munged", "--foreground", "--force", *munge)]
+        wait_until((folder / "munge").exists, lambda: self.log("munged"))
+        self.daemons.append(self.start("slurmctld", "-D"))
+        self.daemons += [self.start("slurmd", "-D", "-N", node) for node in ("n1", "n2")]
+        wait_until(
+            lambda: self.ask("sinfo", "-h", "-o", "%T %D", check=False) == "idle 2",
+            lambda: self.log("slurmctld"),
+        )
+
+    def start(self, *command):
+        with open(self.folder / f"{command[0]}.log", "ab") as log:
+            return children.start(
+                list(command), stdout=log, stderr=log, env=self.environment, cwd=self.folder
+            )
+
+    def log(self, name):
+        return (self.folder / f"{name}.log").read_text(errors="replace")[-2000:]
+
+    def ask(self, *command, check=True, **variables):
+        return subprocess.run(
+            [str(word) for word in command],
+            env=self.environment | variables,
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=check,
+            timeout=DEADLINE,
+        ).stdout.strip()
+
+    def submit(self, runs, name, *options):
+        self.job_log = self.folder / f"{name}.log"
+        command = ["sbatch", "--parsable", "--nodes=2", "--ntasks=3", f"--output={self.job_log}"]
+        command += ["deploy/slurm/metronome.sbatch", name, *options]
+        # The nodes' names are invented, so the learner's host is named.
+        return self.ask(*command, RUNS=str(runs), LEARNER_HOST="localhost")
+
+    def state(self, job):
+        return self.ask("scontrol", "show", "job", job).split("JobState=")[1].split()[0]
+
+    def finish(self, job):
+        ends = ("COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL")
+        wait_until(lambda: self.state(job) in ends, lambda: self.state(job) + self.words())
+        assert self.state(job) == "COMPLETED", self.words()
+
+    def words(self):
+        return self.job_log.read_text() if self.job_log.exists() else "(the job said nothing)"
+
+    def close(self):
+        self.ask("scancel", "--user", getpass.getuser(), check=False)
+        for daemon in reversed(self.daemons):
+            daemon.terminate()
+        for daemon in self.daemons:
+            daemon.wait(DEADLINE)
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    cluster = Cluster(tmp_path_factory.mktemp("slurm"))
+    yield cluster
+    cluster.close()
+
+
+def test_a_job_on_two_nodes_gives_the_weights_of_a_run_without_slurm(stage, cluster):
+    expected = stage.train("calm")
+    cluster.finish(cluster.submit(stage.runs, "job", *SMALL))
+    assert stage.inspect(stage.latest("job"))["weights_sha256"] == expected

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/checkpoint.h"
+#include "common/sha256.h"
+
+namespace metronome::fuzz {
+
+/// A checkpoint file that is whole, whatever its payload says (common/README.md, "Checkpoints").
+inline std::string Framed(const std::string& payload) {
+  const auto raw = [](auto value) {
+    return std::string(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  const std::string head = "METRCKPT" + raw(std::uint32_t{kCheckpointFormat}) +
+                           raw(static_cast<std::uint64_t>(payload.size()));
+  const Sha256Digest digest = Sha256(head + payload);
+  return head + std::string(digest.begin(), digest.end()) + payload;
+}
+
+}  // namespace metronome::fuzz

@@ -1,0 +1,50 @@
+/// Configurations: files in text format, --set arguments, and the bytes in a run description.
+#include <cstdint>
+#include <string>
+
+#include "common/config.h"
+#include "common/config_file.h"
+
+namespace {
+
+using metronome::ConfigError;
+
+void Text(const std::string& text) {
+  metronome::RunConfig config = metronome::ParseConfigText(text, "fuzz").config;
+  config = metronome::Resolve(config);
+  metronome::Validate(config);
+  // What passes is printed and read again on resuming.
+  metronome::Validate(metronome::ParseConfigText(metronome::PrintConfig(config), "again").config);
+}
+
+void Settings(const std::string& text) {
+  metronome::ConfigDraft draft;
+  draft.SetFromArgument(text);
+  (void)draft.Finish();
+}
+
+void Bytes(const std::string& bytes) {
+  metronome::RunConfig config;
+  if (config.ParseFromString(bytes)) metronome::Validate(config);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::string rest(reinterpret_cast<const char*>(data) + 1, size - 1);
+  try {
+    switch (data[0] % 3) {
+      case 0:
+        Text(rest);
+        break;
+      case 1:
+        Settings(rest);
+        break;
+      default:
+        Bytes(rest);
+    }
+  } catch (const ConfigError&) {
+  }
+  return 0;
+}

@@ -1,0 +1,50 @@
+"""Links that fail in one direction: who is lost is found again, whoever noticed the loss."""
+
+import pytest
+
+import namespaces
+from harness import ACTOR, LEARNER, SMALL, STEPS
+
+pytestmark = pytest.mark.skipif(
+    namespaces.unavailable() is not None, reason=str(namespaces.unavailable())
+)
+ENDLESS = tuple("100000000" if word == str(STEPS) else word for word in SMALL)
+
+
+@pytest.fixture
+def network():
+    with namespaces.Network() as made:
+        yield made
+
+
+def test_a_learner_that_starts_before_its_network_says_so(stage, network):
+    here = network.host("learner", plug_in=False)
+    learner = stage.start(
+        *here.process(LEARNER, "run", "--run", "run", "--runs", stage.runs, *SMALL),
+        *("--network", "lan"),
+    )
+    learner.expect_text("no network interface but loopback is up")
+
+
+@pytest.mark.parametrize("direction", ["to", "from", "both"])
+def test_an_actor_cut_off_in_any_direction_plays_on_when_the_link_is_back(
+    stage, network, direction
+):
+    here, there = network.host("learner"), network.host("actor")
+    learner = stage.start(
+        *here.process(LEARNER, "run", "--run", "run", "--runs", stage.runs, *ENDLESS),
+        *("--progress", "json", "--network", "lan"),
+    )
+    actor = stage.start(
+        *there.process(ACTOR, "run", "--run", "run", "--network", here.address),
+    )
+    learner.expect_update(1)
+    cut = there.drop(1.0, direction)
+    if direction != "from":
+        actor.expect_text("is gone: waiting for its return (3 s", seconds=15)
+    if direction != "to":
+        learner.expect_text("is gone", seconds=10)
+    there.stop_dropping(cut)
+    if direction != "from":
+        actor.expect_text("the learner is back", seconds=15)
+    learner.expect_update(learner.updates() + 5, seconds=15)
