@@ -342,7 +342,7 @@ std::vector<OrderLedger::ActorOrders> OrderLedger::OrdersByActor(TimePoint now) 
     ActorOrders view{id,           actor.name,
                      actor.slots,  actor.out.size(),
                      std::nullopt, actor.trusted_from <= now,
-                     actor.silent};
+                     actor.silences > 0};
     for (const Outstanding& out : actor.out) {
       if (!view.oldest || out.since < *view.oldest) view.oldest = out.since;
     }
