@@ -38,6 +38,7 @@ struct StatusOptions {
   std::uint32_t domain = 0;
   std::string transport = "udp";
   std::string network = "loopback";
+  std::string discovery_server;
   bool json = false;
   bool follow = false;       // each second, until the run ends
   double wait_seconds = 10;  // for a learner

@@ -77,6 +77,7 @@ BusOptions BusOptionsOf(const RunOptions& options) {
   bus.domain = options.config.runtime().domain();
   bus.transport = ParseTransport(options.config.runtime().transport());
   bus.network = ParseNetwork(options.config.runtime().network());
+  bus.discovery_servers = ParseDiscoveryServers(options.config.runtime().discovery_server());
   CheckBusOptions(bus);
   return bus;
 }
@@ -165,6 +166,9 @@ CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
   if (config.runtime().network() != "loopback") {
     setup.how_to_join += " --network " + config.runtime().network();
   }
+  if (!config.runtime().discovery_server().empty()) {
+    setup.how_to_join += " --discovery-server " + config.runtime().discovery_server();
+  }
   return setup;
 }
 
@@ -178,6 +182,7 @@ RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
   facts.domain = options.config.runtime().domain();
   facts.transport = options.config.runtime().transport();
   facts.network = options.config.runtime().network();
+  facts.discovery_server = options.config.runtime().discovery_server();
   return facts;
 }
 

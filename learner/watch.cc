@@ -26,6 +26,7 @@ BusOptions BusOptionsOf(const StatusOptions& options) {
   bus.domain = options.domain;
   bus.transport = ParseTransport(options.transport);
   bus.network = ParseNetwork(options.network);
+  bus.discovery_servers = ParseDiscoveryServers(options.discovery_server);
   CheckBusOptions(bus);
   return bus;
 }

@@ -19,6 +19,7 @@
 
 #include "common/dds/actor_filter.h"
 #include "common/dds/participant_qos.h"
+#include "common/dds/tcp.h"
 
 namespace metronome::dds {
 namespace {
@@ -124,6 +125,9 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
       "participant in domain " + std::to_string(options.domain) + " (are its UDP ports free?)");
   if (memory_) memory_->Write();
   try {
+    if (options.transport == Transport::kTcp && !FindsLearnersAlone(role)) {
+      EndSilentConnections(TcpPort(options));
+    }
     Check(participant_->register_content_filter_factory(ActorFilterFactory::kClassName,
                                                         ActorFilterFactory::Get()),
           "registering the filter of orders");
