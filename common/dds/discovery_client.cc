@@ -108,6 +108,7 @@ void DiscoveryClient::Drop(const Prefix& server) {
   // Its lease is over, now.
   Proxy& proxy = *known->second;
   proxy.m_leaseDuration = eprosima::fastrtps::Duration_t{0, 0};
+  proxy.lease_duration_event->cancel_timer();
   proxy.lease_duration_event->update_interval_millisec(1);
   proxy.lease_duration_event->restart_timer();
   servers_.erase(known);
