@@ -1,38 +1,221 @@
-"""Actors on other machines find the learner where there is no multicast."""
+"""Actors on other machines, where there is no multicast: they find the learner by its address, by a
+Discovery Server, or over TCP."""
+
+import re
+import signal
+import time
 
 import pytest
 
-from namespaces import Network
+import namespaces
+from harness import EPISODES, HORIZON, SMALL, STEPS, parse_json
+
+pytestmark = pytest.mark.skipif(
+    namespaces.unavailable() is not None, reason=str(namespaces.unavailable())
+)
+WAYS = ("address", "discovery-server", "tcp")
+LEASE = 3.5  # seconds: 2.5, and what a loaded machine takes to tell
+
+
+def of_updates(updates):
+    steps = str(EPISODES * HORIZON * updates)
+    return tuple(steps if word == str(STEPS) else word for word in SMALL)
+
+
+ENDLESS = of_updates(1_000_000)
+LONG = 40
 
 
 @pytest.fixture(scope="module")
 def expected(module_stage):
-    """weights_sha256 of the run on loopback."""
-    return module_stage.train("loopback")
+    """weights_sha256 of the run on loopback, by number of updates."""
+    return {
+        8: module_stage.train("short"),
+        LONG: module_stage.finish(
+            "long",
+            module_stage.learner("long", small=of_updates(LONG)),
+            [module_stage.actor("long")],
+            LONG,
+        ),
+    }
+
+
+@pytest.fixture(scope="module")
+def network():
+    with namespaces.Network() as made:
+        for name in ("learner", "server", "a", "b"):
+            made.host(name)
+        yield made
+
+
+class Way:
+    """How the processes of a run find each other: options of the learner and of all others."""
+
+    def __init__(self, name, stage, hosts):
+        self.name, self._stage, self._hosts = name, stage, hosts
+        learner = hosts["learner"].address
+        self.learner = self.others = {
+            "address": ("--network", learner),
+            "discovery-server": (
+                *("--network", "lan", "--discovery-server", hosts["server"].address),
+            ),
+            "tcp": ("--transport", "tcp", "--network", learner),
+        }[name]
+        if name == "address":
+            self.learner = ("--network", "lan")
+        if name == "discovery-server":
+            self.start_server()
+
+    def start_server(self):
+        self.server = self._stage.start("fast-discovery-server", "-i", "0", host=self._hosts["server"])
+        self.server.expect_text("server is running")
+
+
+@pytest.fixture(params=WAYS)
+def way(request, stage, network):
+    return Way(request.param, stage, network.hosts)
 
 
 @pytest.fixture
-def network():
-    try:
-        network = Network().__enter__()
-    except OSError as refused:
-        pytest.skip(f"network namespaces need root: {refused}")
-    yield network
-    network.close()
+def server_way(stage, network):
+    return Way("discovery-server", stage, network.hosts)
 
 
-def test_actors_of_two_other_machines_join_by_the_learners_address(network, stage, expected):
-    learner_host, hosts = network.host("learner"), [network.host("a"), network.host("b")]
-    learner = stage.learner("run", "--network", "lan", host=learner_host)
-    team = [
-        stage.actor("run", "--network", learner_host.address, "--wait", "30", host=host)
-        for host in hosts
-    ]
-    assert stage.finish("run", learner, team) == expected
+def test_an_actor_of_another_machine_gives_the_weights_of_loopback(stage, network, way, expected):
+    learner = stage.learner("run", *way.learner, host=network.hosts["learner"])
+    actor = stage.actor("run", *way.others, host=network.hosts["a"])
+    assert stage.finish("run", learner, [actor]) == expected[8]
 
 
-def test_an_actor_of_another_subnet_is_not_found_by_multicast(network, stage):
-    learner = stage.learner("run", "--network", "lan", host=network.host("learner"))
+def test_many_join_are_seen_and_are_missed_when_killed(stage, network, way):
+    learner = stage.learner("seen", *way.learner, small=ENDLESS, host=network.hosts["learner"])
     learner.expect_event("started")
-    actor = stage.actor("run", "--network", "lan", "--wait", "5", host=network.host("a"))
-    assert actor.wait(60) == 3, actor
+    # Two of one machine: their connections differ by their process alone.
+    team = [stage.actor("seen", *way.others, host=network.hosts[name]) for name in ("a", "a", "b")]
+    status = stage.status("seen", "--follow", *way.others, host=network.hosts["server"])
+    status.expect(lambda line: parse_json(line).get("slots_total") == 3, "three actors", 20)
+    gone = f"{team[0].child.pid} is gone"
+    team[0].kill()
+    learner.expect_text(gone, seconds=LEASE)
+    learner.expect_update(learner.updates() + 5, seconds=10)
+    learner.signal(signal.SIGINT)
+    assert learner.wait(20) == 130, learner
+    assert status.wait(10) == 0, status
+
+
+def test_what_the_learner_says_of_joining_is_right(stage, network, way):
+    learner = stage.learner("run", *way.learner, host=network.hosts["learner"])
+    said = learner.expect_text("start one with: metronome-actor run --run run", seconds=20)
+    options = said.split("--run run", 1)[1].split()
+    if way.name == "address":
+        assert options[:2] == ["--network", "lan"], said
+    else:
+        assert tuple(options[-len(way.others) :]) == way.others, said
+
+
+@pytest.mark.parametrize("away", [0, 2], ids=["at_once", "after_2_seconds"])
+def test_a_discovery_server_that_is_killed_and_restarted_costs_no_episode(
+    stage, network, server_way, expected, away
+):
+    learner = stage.learner(
+        "run", *server_way.learner, small=of_updates(LONG), host=network.hosts["learner"]
+    )
+    old = stage.actor("run", *server_way.others, host=network.hosts["a"])
+    learner.expect_update(2)
+    server_way.server.kill()
+    learner.expect_text("discovery server at") if away else server_way.start_server()
+    learner.expect_update(learner.updates() + 3, seconds=10)  # nobody waits for a server
+    # Whoever is gone by the time the server is back must not stand in for whoever is new.
+    old.kill()
+    new = stage.actor("run", *server_way.others, host=network.hosts["b"])
+    if away:
+        new.expect_text("no learner for run", seconds=10)
+        server_way.start_server()
+    new.expect_text("joined run", seconds=8)
+    assert stage.finish("run", learner, [new], LONG) == expected[LONG]
+    all_once = f"every episode number entered exactly one update: {LONG * EPISODES} of"
+    assert all_once in learner.text, learner
+
+
+def test_peers_are_missed_while_the_discovery_server_is_away(stage, network, server_way):
+    learner = stage.learner("run", *server_way.learner, small=ENDLESS, host=network.hosts["learner"])
+    team = [stage.actor("run", *server_way.others, host=network.hosts[name]) for name in "ab"]
+    for actor in team:
+        actor.expect_text("joined run")
+    learner.expect_update(2)
+    server_way.server.kill()
+    learner.expect_text("discovery server at", seconds=5)
+    team[0].kill()
+    learner.expect_text(f"{team[0].child.pid} is gone", seconds=LEASE)
+    learner.expect_update(learner.updates() + 3, seconds=10)
+    learner.kill()
+    team[1].expect_text("is gone", seconds=LEASE)
+    again = stage.learner("run", "--resume", *server_way.learner, host=network.hosts["learner"],
+                          small=ENDLESS)
+    again.expect_event("started")
+    server_way.start_server()
+    again.expect_update(again.updates() + 3, seconds=15)
+
+
+def test_over_tcp_nothing_is_needed_towards_the_actors(stage, network, expected):
+    """They sit behind an address translator, and whoever would connect to them is turned away."""
+    way = Way("tcp", stage, network.hosts)
+    router, inside = network.router, [network.hosts[name] for name in "ab"]
+    ports = ", ".join(f'"{host.port}"' for host in inside)
+    outside = network.hosts["learner"].port
+    router.run(
+        "nft",
+        "table ip nat { chain out { type nat hook postrouting priority 100; "
+        f'oifname "{outside}" masquerade; }} '
+        "chain in { type filter hook forward priority 0; "
+        f'iifname "{outside}" oifname {{ {ports} }} ct state new counter drop; }} }}',
+    )
+    try:
+        learner = stage.learner("run", *way.learner, small=of_updates(LONG), host=network.hosts["learner"])
+        team = [stage.actor("run", *way.others, host=host) for host in inside]
+        assert stage.finish("run", learner, team, LONG) == expected[LONG]
+        rules = router.run("nft", "list", "table", "ip", "nat")
+        assert re.search(r"counter packets 0 .*drop", rules), f"somebody tried to connect: {rules}"
+    finally:
+        router.run("nft", "delete", "table", "ip", "nat")
+
+
+@pytest.mark.parametrize("silent", ["stopped", "cut off"])
+def test_over_tcp_an_actor_that_does_not_read_holds_nobody_up(stage, network, silent):
+    way = Way("tcp", stage, network.hosts)
+    learner = stage.learner("run", *way.learner, small=ENDLESS, host=network.hosts["learner"])
+    team = [stage.actor("run", *way.others, host=network.hosts[name]) for name in "ab"]
+    for actor in team:
+        actor.expect_text("joined run")
+    learner.expect_update(2)
+    if silent == "stopped":
+        team[0].signal(signal.SIGSTOP)
+    else:
+        network.hosts["a"].set_link("down")
+    begin = time.monotonic()
+    learner.expect_text(f"{team[0].child.pid} is gone", seconds=LEASE)
+    learner.expect_update(learner.updates() + 20, seconds=10)
+    assert time.monotonic() - begin < 10, learner
+    if silent == "stopped":
+        team[0].signal(signal.SIGCONT)
+    else:
+        network.hosts["a"].set_link("up")
+    team[0].expect_text("the learner is back", seconds=15)
+    learner.expect_update(learner.updates() + 5, seconds=10)
+
+
+def test_a_tcp_port_in_use_is_named_with_the_remedy(stage, network):
+    way = Way("tcp", stage, network.hosts)
+    first = stage.learner("run", *way.learner, host=network.hosts["learner"])
+    first.expect_event("started")
+    second = stage.learner("other", *way.learner, host=network.hosts["learner"])
+    assert second.wait(20) == 1, second
+    for words in (f"TCP port {7410 + 250 * stage.domain}", "--network HOST:PORT"):
+        assert words in second.text, second
+
+
+def test_an_actor_of_another_subnet_is_not_found_by_multicast(stage, network):
+    learner = stage.learner("run", "--network", "lan", host=network.hosts["learner"])
+    learner.expect_event("started")
+    actor = stage.actor("run", "--network", "lan", "--wait", "3", host=network.hosts["a"])
+    assert actor.wait(20) == 3, actor
