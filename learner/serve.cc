@@ -134,6 +134,14 @@ Start StartOf(const RunOptions& options) {
   return start;
 }
 
+/// What actors give for --network. Over TCP it is what the learner is given; peers that are found
+/// by UDP are the actors' addresses here, and the learner's there.
+std::string NetworkOfActors(const RuntimeConfig& runtime) {
+  const bool names_peers = runtime.network() != "loopback" && runtime.network() != "lan";
+  if (names_peers && runtime.transport() != "tcp") return "<address of " + HostName() + ">";
+  return runtime.network();
+}
+
 CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
   const RunConfig& config = options.config;
   CoordinatorSetup setup;
@@ -164,7 +172,7 @@ CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
     setup.how_to_join += " --transport " + config.runtime().transport();
   }
   if (config.runtime().network() != "loopback") {
-    setup.how_to_join += " --network " + config.runtime().network();
+    setup.how_to_join += " --network " + NetworkOfActors(config.runtime());
   }
   if (!config.runtime().discovery_server().empty()) {
     setup.how_to_join += " --discovery-server " + config.runtime().discovery_server();

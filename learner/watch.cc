@@ -80,8 +80,8 @@ int Watch(const StatusOptions& options) {
   if (!newest) {
     spdlog::error(
         "no learner of run {} is heard within {} s (domain {}, network {}): is it running, and "
-        "were --run, --domain and --network the same there? On another machine it must have been "
-        "started with --network lan or with peers",
+        "were --run, --domain, --transport, --network and --discovery-server the same there? On "
+        "another machine it must not have been started with --network loopback",
         options.run, options.wait_seconds, options.domain, options.network);
     return kExitNoLearner;
   }

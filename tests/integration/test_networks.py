@@ -1,9 +1,7 @@
 """Actors on other machines, where there is no multicast: they find the learner by its address, by a
 Discovery Server, or over TCP."""
 
-import re
 import signal
-import time
 
 import pytest
 
@@ -14,7 +12,7 @@ pytestmark = pytest.mark.skipif(
     namespaces.unavailable() is not None, reason=str(namespaces.unavailable())
 )
 WAYS = ("address", "discovery-server", "tcp")
-LEASE = 3.5  # seconds: 2.5, and what a loaded machine takes to tell
+LEASE = 6.0  # seconds: 2.5, and what a machine that is full takes to tell
 
 
 def of_updates(updates):
@@ -23,7 +21,7 @@ def of_updates(updates):
 
 
 ENDLESS = of_updates(1_000_000)
-LONG = 40
+LONG = 30
 
 
 @pytest.fixture(scope="module")
@@ -87,35 +85,36 @@ def test_an_actor_of_another_machine_gives_the_weights_of_loopback(stage, networ
     assert stage.finish("run", learner, [actor]) == expected[8]
 
 
+@pytest.mark.parametrize("way", WAYS[1:], indirect=True)
 def test_many_join_are_seen_and_are_missed_when_killed(stage, network, way):
     learner = stage.learner("seen", *way.learner, small=ENDLESS, host=network.hosts["learner"])
     learner.expect_event("started")
-    # Two of one machine: their connections differ by their process alone.
+    # Two of one machine: over TCP their connections differ by their process alone.
     team = [stage.actor("seen", *way.others, host=network.hosts[name]) for name in ("a", "a", "b")]
     status = stage.status("seen", "--follow", *way.others, host=network.hosts["server"])
     status.expect(lambda line: parse_json(line).get("slots_total") == 3, "three actors", 20)
-    gone = f"{team[0].child.pid} is gone"
     team[0].kill()
-    learner.expect_text(gone, seconds=LEASE)
+    learner.expect_text(f"{team[0].child.pid} is gone", seconds=LEASE)
     learner.expect_update(learner.updates() + 5, seconds=10)
     learner.signal(signal.SIGINT)
     assert learner.wait(20) == 130, learner
     assert status.wait(10) == 0, status
 
 
-def test_what_the_learner_says_of_joining_is_right(stage, network, way):
-    learner = stage.learner("run", *way.learner, host=network.hosts["learner"])
-    said = learner.expect_text("start one with: metronome-actor run --run run", seconds=20)
-    options = said.split("--run run", 1)[1].split()
-    if way.name == "address":
-        assert options[:2] == ["--network", "lan"], said
-    else:
-        assert tuple(options[-len(way.others) :]) == way.others, said
+def test_the_learner_says_how_to_join_by_each_way(stage, network):
+    host = network.hosts["learner"]
+    ways = {name: Way(name, stage, network.hosts) for name in WAYS}
+    learners = {name: stage.learner(name, *ways[name].learner, host=host) for name in WAYS}
+    for name, learner in learners.items():
+        said = learner.expect_text("start one with: metronome-actor run", seconds=20)
+        assert said.endswith(" ".join(ways[name].learner)), said
+    named = stage.learner("named", "--network", network.hosts["a"].address, host=host)
+    said = named.expect_text("start one with: metronome-actor run", seconds=20)
+    assert said.endswith("--network <address of learner>"), said
 
 
-@pytest.mark.parametrize("away", [0, 2], ids=["at_once", "after_2_seconds"])
-def test_a_discovery_server_that_is_killed_and_restarted_costs_no_episode(
-    stage, network, server_way, expected, away
+def test_a_discovery_server_restarted_at_once_costs_no_episode(
+    stage, network, server_way, expected
 ):
     learner = stage.learner(
         "run", *server_way.learner, small=of_updates(LONG), host=network.hosts["learner"]
@@ -123,26 +122,25 @@ def test_a_discovery_server_that_is_killed_and_restarted_costs_no_episode(
     old = stage.actor("run", *server_way.others, host=network.hosts["a"])
     learner.expect_update(2)
     server_way.server.kill()
-    learner.expect_text("discovery server at") if away else server_way.start_server()
-    learner.expect_update(learner.updates() + 3, seconds=10)  # nobody waits for a server
-    # Whoever is gone by the time the server is back must not stand in for whoever is new.
+    # What is left by the time it is back must not be taken for what is new.
     old.kill()
+    server_way.start_server()
     new = stage.actor("run", *server_way.others, host=network.hosts["b"])
-    if away:
-        new.expect_text("no learner for run", seconds=10)
-        server_way.start_server()
     new.expect_text("joined run", seconds=8)
     assert stage.finish("run", learner, [new], LONG) == expected[LONG]
     all_once = f"every episode number entered exactly one update: {LONG * EPISODES} of"
     assert all_once in learner.text, learner
 
 
-def test_peers_are_missed_while_the_discovery_server_is_away(stage, network, server_way):
-    learner = stage.learner("run", *server_way.learner, small=ENDLESS, host=network.hosts["learner"])
-    team = [stage.actor("run", *server_way.others, host=network.hosts[name]) for name in "ab"]
+def test_while_the_discovery_server_is_away_only_newcomers_wait(
+    stage, network, server_way, expected
+):
+    hosts, others = network.hosts, server_way.others
+    learning = {"small": of_updates(LONG), "host": hosts["learner"]}
+    learner = stage.learner("run", *server_way.learner, **learning)
+    team = [stage.actor("run", *others, host=hosts[name]) for name in "ab"]
     for actor in team:
         actor.expect_text("joined run")
-    learner.expect_update(2)
     server_way.server.kill()
     learner.expect_text("discovery server at", seconds=5)
     team[0].kill()
@@ -150,14 +148,16 @@ def test_peers_are_missed_while_the_discovery_server_is_away(stage, network, ser
     learner.expect_update(learner.updates() + 3, seconds=10)
     learner.kill()
     team[1].expect_text("is gone", seconds=LEASE)
-    again = stage.learner("run", "--resume", *server_way.learner, host=network.hosts["learner"],
-                          small=ENDLESS)
+    again = stage.learner("run", "--resume", *server_way.learner, **learning)
     again.expect_event("started")
+    newcomer = stage.actor("run", *others, host=hosts["a"])
+    newcomer.expect_text("no learner", seconds=10)
     server_way.start_server()
-    again.expect_update(again.updates() + 3, seconds=15)
+    newcomer.expect_text("joined run", seconds=10)
+    assert stage.finish("run", again, [team[1], newcomer], LONG) == expected[LONG]
 
 
-def test_over_tcp_nothing_is_needed_towards_the_actors(stage, network, expected):
+def test_over_tcp_nothing_is_needed_towards_the_actors(stage, network):
     """They sit behind an address translator, and whoever would connect to them is turned away."""
     way = Way("tcp", stage, network.hosts)
     router, inside = network.router, [network.hosts[name] for name in "ab"]
@@ -165,43 +165,39 @@ def test_over_tcp_nothing_is_needed_towards_the_actors(stage, network, expected)
     outside = network.hosts["learner"].port
     router.run(
         "nft",
-        "table ip nat { chain out { type nat hook postrouting priority 100; "
-        f'oifname "{outside}" masquerade; }} '
+        "table ip nat {\nchain out { type nat hook postrouting priority 100; "
+        f'oifname "{outside}" masquerade; }}\n'
         "chain in { type filter hook forward priority 0; "
-        f'iifname "{outside}" oifname {{ {ports} }} ct state new counter drop; }} }}',
+        f'iifname "{outside}" oifname {{ {ports} }} ct state new counter drop; }}\n}}',
     )
     try:
-        learner = stage.learner("run", *way.learner, small=of_updates(LONG), host=network.hosts["learner"])
-        team = [stage.actor("run", *way.others, host=host) for host in inside]
-        assert stage.finish("run", learner, team, LONG) == expected[LONG]
+        learner = stage.learner("run", *way.learner, small=ENDLESS, host=network.hosts["learner"])
+        for actor in [stage.actor("run", *way.others, host=host) for host in inside]:
+            actor.expect_text("joined run", seconds=20)
+            learner.expect_text(f":{actor.child.pid} joins", seconds=10)
+        learner.expect_update(learner.updates() + 10, seconds=20)
         rules = router.run("nft", "list", "table", "ip", "nat")
-        assert re.search(r"counter packets 0 .*drop", rules), f"somebody tried to connect: {rules}"
+        assert "counter packets 0 " in rules, f"somebody tried to connect: {rules}"
     finally:
         router.run("nft", "delete", "table", "ip", "nat")
 
 
-@pytest.mark.parametrize("silent", ["stopped", "cut off"])
-def test_over_tcp_an_actor_that_does_not_read_holds_nobody_up(stage, network, silent):
+def test_over_tcp_an_actor_that_is_cut_off_holds_nobody_up(stage, network):
+    """Snapshots of 1.2 MB fill what the system takes for a peer that does not answer."""
     way = Way("tcp", stage, network.hosts)
-    learner = stage.learner("run", *way.learner, small=ENDLESS, host=network.hosts["learner"])
+    large = (*ENDLESS, "--set", "policy.hidden=512,512", "--set", "ppo.epochs=1")
+    learner = stage.learner("run", *way.learner, small=large, host=network.hosts["learner"])
     team = [stage.actor("run", *way.others, host=network.hosts[name]) for name in "ab"]
     for actor in team:
         actor.expect_text("joined run")
-    learner.expect_update(2)
-    if silent == "stopped":
-        team[0].signal(signal.SIGSTOP)
-    else:
-        network.hosts["a"].set_link("down")
-    begin = time.monotonic()
-    learner.expect_text(f"{team[0].child.pid} is gone", seconds=LEASE)
-    learner.expect_update(learner.updates() + 20, seconds=10)
-    assert time.monotonic() - begin < 10, learner
-    if silent == "stopped":
-        team[0].signal(signal.SIGCONT)
-    else:
+    learner.expect_update(1)
+    network.hosts["a"].set_link("down")
+    try:
+        learner.expect_text(f"{team[0].child.pid} is gone", seconds=8)
+        learner.expect_update(learner.updates() + 3, seconds=8)
+    finally:
         network.hosts["a"].set_link("up")
     team[0].expect_text("the learner is back", seconds=15)
-    learner.expect_update(learner.updates() + 5, seconds=10)
 
 
 def test_a_tcp_port_in_use_is_named_with_the_remedy(stage, network):
@@ -217,5 +213,5 @@ def test_a_tcp_port_in_use_is_named_with_the_remedy(stage, network):
 def test_an_actor_of_another_subnet_is_not_found_by_multicast(stage, network):
     learner = stage.learner("run", "--network", "lan", host=network.hosts["learner"])
     learner.expect_event("started")
-    actor = stage.actor("run", "--network", "lan", "--wait", "3", host=network.hosts["a"])
+    actor = stage.actor("run", "--network", "lan", "--wait", "1", host=network.hosts["a"])
     assert actor.wait(20) == 3, actor
