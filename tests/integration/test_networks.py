@@ -1,6 +1,7 @@
 """Actors on other machines, where there is no multicast: they find the learner by its address, by a
 Discovery Server, or over TCP."""
 
+import contextlib
 import signal
 
 import pytest
@@ -79,10 +80,37 @@ def server_way(stage, network):
     return Way("discovery-server", stage, network.hosts)
 
 
-def test_an_actor_of_another_machine_gives_the_weights_of_loopback(stage, network, way, expected):
-    learner = stage.learner("run", *way.learner, host=network.hosts["learner"])
-    actor = stage.actor("run", *way.others, host=network.hosts["a"])
-    assert stage.finish("run", learner, [actor]) == expected[8]
+@contextlib.contextmanager
+def firewall(network, domain, way):
+    """Lets the ports of deploy/README.md through and no others."""
+    base = 7400 + 250 * domain
+    learner, server, actor = (network.hosts[name].port for name in ("learner", "server", "a"))
+    if way == "tcp":
+        open_ports = [
+            f'oifname "{learner}" tcp dport {base + 10} accept',
+            f'iifname "{learner}" tcp sport {base + 10} ct state established accept',
+        ]
+    else:
+        open_ports = [
+            f'oifname "{learner}" udp dport {{ {base + 10}, {base + 11} }} accept',
+            f'oifname "{actor}" udp dport {{ {base + 42}, {base + 11} }} accept',
+            f'oifname "{server}" udp dport 11811 accept',
+        ]
+    chain = ["chain pass {", "type filter hook forward priority 0; policy drop", *open_ports, "}"]
+    network.router.run("nft", "\n".join(["table ip firewall {", *chain, "}"]))
+    try:
+        yield
+    finally:
+        network.router.run("nft", "delete", "table", "ip", "firewall")
+
+
+def test_through_the_documented_ports_alone_a_run_gives_the_weights_of_loopback(
+    stage, network, way, expected
+):
+    with firewall(network, stage.domain, way.name):
+        learner = stage.learner("run", *way.learner, host=network.hosts["learner"])
+        actor = stage.actor("run", *way.others, host=network.hosts["a"])
+        assert stage.finish("run", learner, [actor]) == expected[8]
 
 
 @pytest.mark.parametrize("way", WAYS[1:], indirect=True)
