@@ -22,6 +22,7 @@ struct Typed {
   RunOptions run;
   std::string transport = "udp";
   std::string network = "loopback";
+  std::string discovery_server;
   TraceOptions trace;
   PlacementsOptions placements;
   EvaluateOptions evaluate;
@@ -74,11 +75,16 @@ void AddRun(CLI::App& app, Typed& typed) {
       ->capture_default_str();
   run->add_option("--network", typed.network,
                   "loopback: this machine alone; lan: all interfaces, found by multicast; or peers "
-                  "to be found by unicast: HOST[:PORT],...")
+                  "to be found by unicast: HOST[:PORT],...; with tcp the learner's HOST[:PORT]")
       ->capture_default_str();
-  run->add_option("--transport", typed.transport,
-                  "udp, or shm: shared memory between processes of this machine")
-      ->check(OneOf("transport", {"udp", "shm"}))
+  run->add_option("--discovery-server", typed.discovery_server,
+                  "Fast DDS Discovery Servers that introduce peers in place of multicast, with "
+                  "--network lan: HOST[:PORT],... [port 11811]");
+  run->add_option(
+         "--transport", typed.transport,
+         "udp; shm: shared memory between processes of this machine; or tcp: one connection "
+         "to the learner")
+      ->check(OneOf("transport", {"udp", "shm", "tcp"}))
       ->capture_default_str();
   run->add_option("--security", typed.run.bus.security,
                   "This actor's identity, a folder that deploy/security made, for a run that has "
@@ -197,6 +203,7 @@ void AddRender(CLI::App& app, Typed& typed) {
 RunOptions Judge(Typed typed) {
   typed.run.bus.transport = ParseTransport(typed.transport);
   typed.run.bus.network = ParseNetwork(typed.network);
+  typed.run.bus.discovery_servers = ParseDiscoveryServers(typed.discovery_server);
   CheckRunName(typed.run.bus.run_name);
   CheckBusOptions(typed.run.bus);
   CheckIdentity(typed.run.bus, "actor");

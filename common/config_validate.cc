@@ -206,9 +206,9 @@ void CheckMetrics(const std::string& address, Complaints& complaints) {
 
 void CheckRuntime(const RunConfig& config, Complaints& complaints) {
   const std::string& transport = config.runtime().transport();
-  if (transport != "udp" && transport != "shm") {
+  if (transport != "udp" && transport != "shm" && transport != "tcp") {
     complaints.Add("runtime.transport",
-                   "is an " + UnknownName("transport", transport, {"udp", "shm"}));
+                   "is an " + UnknownName("transport", transport, {"udp", "shm", "tcp"}));
   }
   CheckNetwork(config.runtime().network(), complaints);
   CheckMetrics(config.runtime().metrics(), complaints);

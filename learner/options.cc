@@ -40,9 +40,13 @@ constexpr FieldOption kFieldOptions[] = {
     {"--goal", "environment.goal_visible", "G",
      "hidden or visible: whether observations show the goal [default: visible]"},
     {"--domain", "runtime.domain", "N", "DDS domain, 0 to 232"},
-    {"--transport", "runtime.transport", "X", "udp or shm (shared memory)"},
+    {"--transport", "runtime.transport", "X", "udp, shm (shared memory) or tcp"},
     {"--network", "runtime.network", "W",
-     "Who can join: loopback (this machine), lan, or the peers' addresses separated by commas"},
+     "Who can join: loopback (this machine), lan, or the peers' addresses separated by commas; "
+     "with "
+     "tcp this machine's address HOST[:PORT], as actors are to connect to it"},
+    {"--discovery-server", "runtime.discovery_server", "HOST[:PORT],...",
+     "Fast DDS Discovery Servers that introduce peers in place of multicast; with --network lan"},
     {"--security", "runtime.security", "DIR",
      "The learner's identity, made by deploy/security: only the run's own identities take part, "
      "all "
@@ -137,12 +141,17 @@ void AddStatusOptions(CLI::App& command, StatusOptions& options) {
   command.add_option("RUN", options.run, "Name of the run")->type_name("");
   command.add_option("--domain", options.domain, "DDS domain, 0 to 232 [default: 0]")
       ->type_name("N");
-  command.add_option("--transport", options.transport, "udp or shm [default: udp]")->type_name("X");
+  command.add_option("--transport", options.transport, "udp, shm or tcp [default: udp]")
+      ->type_name("X");
   command
       .add_option("--network", options.network,
                   "Where the learner is: loopback (this machine), lan, or addresses separated by "
                   "commas [default: loopback]")
       ->type_name("W");
+  command
+      .add_option("--discovery-server", options.discovery_server,
+                  "Discovery Servers, as the learner has them")
+      ->type_name("HOST[:PORT],...");
   command
       .add_option("--security", options.security,
                   "An observer's identity, for a run that has --security [default: none]")

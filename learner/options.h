@@ -39,6 +39,7 @@ struct StatusOptions {
   std::uint32_t domain = 0;
   std::string transport = "udp";
   std::string network = "loopback";
+  std::string discovery_server;
   std::string security;  // folder of an identity; empty: none
   bool json = false;
   bool follow = false;       // each second, until the run ends

@@ -39,6 +39,7 @@ void ProgressPrinter::Started(std::uint64_t version, std::uint64_t steps) {
              {"domain", facts_.domain},
              {"transport", facts_.transport},
              {"network", facts_.network},
+             {"discovery_server", facts_.discovery_server},
              {"security", facts_.security}}
             .dump());
   }

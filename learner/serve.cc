@@ -80,6 +80,7 @@ BusOptions BusOptionsOf(const RunOptions& options) {
   bus.transport = ParseTransport(options.config.runtime().transport());
   bus.network = ParseNetwork(options.config.runtime().network());
   bus.security = options.config.runtime().security();
+  bus.discovery_servers = ParseDiscoveryServers(options.config.runtime().discovery_server());
   CheckBusOptions(bus);
   CheckIdentity(bus, "learner");
   return bus;
@@ -137,6 +138,14 @@ Start StartOf(const RunOptions& options) {
   return start;
 }
 
+/// What actors give for --network. Over TCP it is what the learner is given; peers that are found
+/// by UDP are the actors' addresses here, and the learner's there.
+std::string NetworkOfActors(const RuntimeConfig& runtime) {
+  const bool names_peers = runtime.network() != "loopback" && runtime.network() != "lan";
+  if (names_peers && runtime.transport() != "tcp") return "<address of " + HostName() + ">";
+  return runtime.network();
+}
+
 CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
   const RunConfig& config = options.config;
   CoordinatorSetup setup;
@@ -168,7 +177,10 @@ CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
     setup.how_to_join += " --transport " + config.runtime().transport();
   }
   if (config.runtime().network() != "loopback") {
-    setup.how_to_join += " --network " + config.runtime().network();
+    setup.how_to_join += " --network " + NetworkOfActors(config.runtime());
+  }
+  if (!config.runtime().discovery_server().empty()) {
+    setup.how_to_join += " --discovery-server " + config.runtime().discovery_server();
   }
   if (!config.runtime().security().empty()) setup.how_to_join += " --security DIR/ACTOR";
   return setup;
@@ -185,6 +197,7 @@ RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
   facts.transport = options.config.runtime().transport();
   facts.network = options.config.runtime().network();
   facts.security = options.config.runtime().security();
+  facts.discovery_server = options.config.runtime().discovery_server();
   return facts;
 }
 

@@ -1,6 +1,5 @@
 #include "common/dds/participant.h"
 
-#include <fastdds/rtps/builtin/data/ParticipantProxyData.h>
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <ifaddrs.h>
@@ -9,7 +8,6 @@
 
 #include <atomic>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/log/Log.hpp>
 #include <fastdds/dds/topic/ContentFilteredTopic.hpp>
 #include <memory>
@@ -18,11 +16,17 @@
 #include <utility>
 
 #include "common/dds/actor_filter.h"
+#include "common/dds/lease_race_guard.h"
 #include "common/dds/participant_qos.h"
 #include "common/dds/security.h"
+#include "common/dds/tcp.h"
 
 namespace metronome::dds {
 namespace {
+
+const eprosima::fastrtps::Duration_t kLivelinessLease{kLeaseMilliseconds / 1000,
+                                                      kLeaseMilliseconds % 1000 * 1'000'000};
+const eprosima::fastrtps::Duration_t kLivelinessPeriod{0, 500'000'000};
 
 template <class Pointer>
 Pointer Made(Pointer entity, const std::string& what) {
@@ -62,26 +66,6 @@ void TakeOverLog() {
     fdds::Log::RegisterConsumer(std::make_unique<LogForwarder>());
   });
 }
-
-/// Keeps a race inside Debian's Fast DDS from ending the process. A participant that leaves is
-/// cleared by the thread that hears it; if its lease is looked at just then by the timers' thread,
-/// that one finds it cleared and asserts (PDP::check_remote_participant_liveliness): seen at the
-/// end of every other run with 64 actors. The callback comes before the clearing; without the flag
-/// the timers' thread looks no further. It is set again whenever the object is used again.
-class LeaseRaceGuard : public fdds::DomainParticipantListener {
- public:
-  void on_participant_discovery(
-      fdds::DomainParticipant* /*participant*/,
-      eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& discovered) override {
-    using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
-    if (discovered.status != Info::REMOVED_PARTICIPANT &&
-        discovered.status != Info::DROPPED_PARTICIPANT) {
-      return;
-    }
-    using Proxy = eprosima::fastrtps::rtps::ParticipantProxyData;
-    const_cast<Proxy&>(discovered.info).should_check_lease_duration = false;
-  }
-};
 
 /// Says that somebody was turned away, who to himself and to others looks like one that is not
 /// there. A few times a process: outsiders try again for ever.
@@ -151,13 +135,21 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
   if (options.transport == Transport::kSharedMemory) {
     memory_.emplace(options.run_name, options.domain);
   }
+  if (!options.discovery_servers.empty()) {
+    discovery_.emplace(options.discovery_servers, !FindsLearnersAlone(role));
+  }
+  fdds::DomainParticipantListener* listener = TheListener();
+  if (discovery_) listener = &*discovery_;
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   participant_ = Made(
-      factory->create_participant(options.domain, ParticipantQos(options, role), TheListener(),
+      factory->create_participant(options.domain, ParticipantQos(options, role), listener,
                                   fdds::StatusMask::none()),
       "participant in domain " + std::to_string(options.domain) + " (are its UDP ports free?)");
   if (memory_) memory_->Write();
   try {
+    if (options.transport == Transport::kTcp && !FindsLearnersAlone(role)) {
+      EndSilentConnections(TcpPort(options));
+    }
     Check(participant_->register_content_filter_factory(ActorFilterFactory::kClassName,
                                                         ActorFilterFactory::Get()),
           "registering the filter of orders");
@@ -176,6 +168,7 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
 Participant::~Participant() { DeleteAll(); }
 
 void Participant::DeleteAll() {
+  if (discovery_) discovery_->Stop();
   participant_->delete_contained_entities();
   fdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
@@ -192,7 +185,15 @@ fdds::Topic* Participant::MakeTopic(const TopicProfile& profile, const fdds::Typ
 
 fdds::DataWriter* Participant::MakeWriter(fdds::Topic* topic, const TopicProfile& profile,
                                           fdds::DataWriterListener* listener) {
-  return Made(publisher_->create_datawriter(topic, WriterQos(profile), listener),
+  fdds::DataWriterQos qos = WriterQos(profile);
+  if (discovery_) {
+    // Peers that a server introduced do not announce themselves to each other; this makes them
+    // speak often enough for their leases.
+    qos.liveliness().kind = fdds::AUTOMATIC_LIVELINESS_QOS;
+    qos.liveliness().lease_duration = kLivelinessLease;
+    qos.liveliness().announcement_period = kLivelinessPeriod;
+  }
+  return Made(publisher_->create_datawriter(topic, qos, listener),
               std::string("writer of ") + profile.name);
 }
 

@@ -144,11 +144,18 @@ def _parser():
         help="engine (default %(default)s)",
     )
     parser.add_argument("--domain", type=_whole(0, 232), metavar="N", help="DDS domain (default 0)")
-    parser.add_argument("--transport", type=_one_of(("udp", "shm")), help="default udp")
+    parser.add_argument("--transport", type=_one_of(("udp", "shm", "tcp")), help="default udp")
     parser.add_argument(
         "--network",
         metavar="loopback|lan|PEERS",
-        help="who can join: this machine only (default), the local network, or named hosts",
+        help="who can join: this machine only (default), the local network, or named hosts; "
+        "with tcp this machine's address, HOST[:PORT], as others are to connect to it",
+    )
+    parser.add_argument(
+        "--discovery-server",
+        metavar="HOST[:PORT],...",
+        help="Fast DDS Discovery Servers that introduce peers in place of multicast; "
+        "with --network lan",
     )
     parser.add_argument(
         "--security",
@@ -254,10 +261,11 @@ def learner_command(options):
         "domain",
         "transport",
         "network",
+        "discovery-server",
         "audit",
         "metrics",
     ):
-        value = getattr(options, name)
+        value = getattr(options, name.replace("-", "_"))
         if value is not None:
             command += [f"--{name}", str(value)]
     if options.security is not None:
@@ -278,9 +286,10 @@ def actor_command(options, index, started):
         "--envs",
         str(options.envs),
     ]
-    for name in ("domain", "transport", "network"):
-        value = started.get(name, getattr(options, name))
-        if value is not None:
+    for name in ("domain", "transport", "network", "discovery-server"):
+        field = name.replace("-", "_")
+        value = started.get(field, getattr(options, field))
+        if value not in (None, ""):
             command += [f"--{name}", str(value)]
     if started.get("security"):  # of a run gone on with, too
         command += ["--security", str(Path(started["security"]).parent / f"actor-{index}")]
