@@ -302,7 +302,7 @@ TEST(ValidateTest, ComplaintsNameFieldValueAndWhatIsAllowed) {
             "(episodes_per_update * horizon)");
   EXPECT_EQ(ComplaintOf("runtime.transport", "upd"),
             "runtime.transport is an unknown transport \"upd\"; did you mean \"udp\"? Known: udp, "
-            "shm");
+            "shm, tcp");
   EXPECT_EQ(ComplaintOf("runtime.network", "loopbak"),
             "runtime.network is \"loopbak\"; did you mean \"loopback\"? must be loopback, lan, or "
             "the peers' addresses separated by commas");
