@@ -46,7 +46,7 @@ def command(document, replaced):
 @pytest.mark.parametrize("version", VERSIONS)
 def test_the_manifest_keeps_to_the_schemas_of_kubernetes(tools, version):
     verdict = subprocess.run(
-        [tools / "kubernetes-validate", "--strict", "-k", version, MANIFEST],
+        [tools / "python", tools / "kubernetes-validate", "--strict", "-k", version, MANIFEST],
         capture_output=True,
         text=True,
         timeout=60,
