@@ -11,7 +11,7 @@ namespace {
 template <class PubSubType>
 bool IsRead(const BusOptions& options, const dds::TopicProfile& profile) {
   RawWriter writer(options, profile, PubSubType().getName());
-  return writer.WaitForReader(Clock::now() + std::chrono::seconds(2));
+  return writer.WaitForReader(Clock::now() + std::chrono::seconds(4));
 }
 
 int Try(const BusOptions& options, const char* topic) {
