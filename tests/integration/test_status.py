@@ -46,7 +46,7 @@ def test_following_ends_with_the_run(stage):
 def test_a_learner_that_is_not_there_ends_with_3_and_what_to_try(stage):
     nobody = status(stage, "nobody", "--wait", "0.5")
     assert nobody.wait() == 3, nobody
-    for words in ("nobody", f"domain {stage.domain}", "network loopback", "--network lan"):
+    for words in ("nobody", f"domain {stage.domain}", "network loopback", "--network loopback"):
         assert words in nobody.text
 
 
