@@ -110,7 +110,7 @@ int Serve(const RunOptions& options) {
 }
 
 int Execute(const RunOptions& options) {
-  SetUpLogging("actor", options.log_level);
+  SetUpLogging("actor", options.log);
   const std::string assets = metaworld::DefaultAssetsPath();
   if (!std::filesystem::is_directory(assets)) {
     spdlog::error("the Meta-World scene files are not at {}: run deploy/setup", assets);

@@ -7,6 +7,7 @@
 #include "common/build_info.h"
 #include "common/cli_parse.h"
 #include "common/config.h"
+#include "common/dds/security.h"
 #include "common/logging.h"
 #include "common/near_miss.h"
 #include "common/task_names.h"
@@ -21,6 +22,7 @@ struct Typed {
   RunOptions run;
   std::string transport = "udp";
   std::string network = "loopback";
+  std::string discovery_server;
   TraceOptions trace;
   PlacementsOptions placements;
   EvaluateOptions evaluate;
@@ -73,20 +75,32 @@ void AddRun(CLI::App& app, Typed& typed) {
       ->capture_default_str();
   run->add_option("--network", typed.network,
                   "loopback: this machine alone; lan: all interfaces, found by multicast; or peers "
-                  "to be found by unicast: HOST[:PORT],...")
+                  "to be found by unicast: HOST[:PORT],...; with tcp the learner's HOST[:PORT]")
       ->capture_default_str();
-  run->add_option("--transport", typed.transport,
-                  "udp, or shm: shared memory between processes of this machine")
-      ->check(OneOf("transport", {"udp", "shm"}))
+  run->add_option("--discovery-server", typed.discovery_server,
+                  "Fast DDS Discovery Servers that introduce peers in place of multicast, with "
+                  "--network lan: HOST[:PORT],... [port 11811]");
+  run->add_option(
+         "--transport", typed.transport,
+         "udp; shm: shared memory between processes of this machine; or tcp: one connection "
+         "to the learner")
+      ->check(OneOf("transport", {"udp", "shm", "tcp"}))
       ->capture_default_str();
+  run->add_option("--security", typed.run.bus.security,
+                  "This actor's identity, a folder that deploy/security made, for a run that has "
+                  "--security [none]");
   run->add_flag("--stay", typed.run.stay,
                 "When the run is finished, wait for the next one of that name; never give up "
                 "unless --learner-timeout says so");
   run->add_option("--learner-timeout,--wait", typed.run.learner_timeout,
                   "Seconds without a learner after which to give up (exit 3) [60]")
       ->check(CLI::Range(0.0, 1e9));
-  run->add_option("--log", typed.run.log_level, "Least severe level to log, to standard error")
+  run->add_option("--log", typed.run.log.level, "Least severe level to log, to standard error")
       ->check(OneOf("level", LogLevels()))
+      ->capture_default_str();
+  run->add_option("--log-format", typed.run.log.format,
+                  "Of the log: text, or json: one object a line")
+      ->check(OneOf("format", LogFormats()))
       ->capture_default_str();
   run->footer(
       "Exit status: 0 the run is finished, 1 refused or failed, 2 bad options or missing scene "
@@ -189,8 +203,10 @@ void AddRender(CLI::App& app, Typed& typed) {
 RunOptions Judge(Typed typed) {
   typed.run.bus.transport = ParseTransport(typed.transport);
   typed.run.bus.network = ParseNetwork(typed.network);
+  typed.run.bus.discovery_servers = ParseDiscoveryServers(typed.discovery_server);
   CheckRunName(typed.run.bus.run_name);
   CheckBusOptions(typed.run.bus);
+  CheckIdentity(typed.run.bus, "actor");
   return typed.run;
 }
 

@@ -10,6 +10,7 @@
 #include "actor/render/render.h"
 #include "actor/trace.h"
 #include "common/dds/bus_options.h"
+#include "common/logging.h"
 
 namespace metronome {
 
@@ -19,7 +20,7 @@ struct RunOptions {
   int envs = 1;  // episodes at once, a thread each
   bool stay = false;
   std::optional<double> learner_timeout;  // seconds
-  std::string log_level = "info";
+  LogOptions log;
 };
 
 using ActorCommand =

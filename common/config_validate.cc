@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "common/config.h"
+#include "common/listen_address.h"
 #include "common/near_miss.h"
 #include "common/network.h"
 #include "common/number_text.h"
@@ -194,13 +195,23 @@ void CheckNetwork(const std::string& network, Complaints& complaints) {
   }
 }
 
+void CheckMetrics(const std::string& address, Complaints& complaints) {
+  if (address.empty()) return;
+  try {
+    ParseListenAddress(address);
+  } catch (const std::invalid_argument& error) {
+    complaints.Add("runtime.metrics", "is \"" + address + "\": " + error.what());
+  }
+}
+
 void CheckRuntime(const RunConfig& config, Complaints& complaints) {
   const std::string& transport = config.runtime().transport();
-  if (transport != "udp" && transport != "shm") {
+  if (transport != "udp" && transport != "shm" && transport != "tcp") {
     complaints.Add("runtime.transport",
-                   "is an " + UnknownName("transport", transport, {"udp", "shm"}));
+                   "is an " + UnknownName("transport", transport, {"udp", "shm", "tcp"}));
   }
   CheckNetwork(config.runtime().network(), complaints);
+  CheckMetrics(config.runtime().metrics(), complaints);
 }
 
 }  // namespace

@@ -8,13 +8,19 @@ namespace metronome {
 
 /// Accepted level names, most talkative first.
 std::vector<std::string> LogLevels();
+/// text: a line for people; json: an object a line, with time (UTC), level, process, pid, message.
+std::vector<std::string> LogFormats();
+
+struct LogOptions {
+  std::string level = "info";   // one of LogLevels()
+  std::string format = "text";  // one of LogFormats()
+};
 
 /// Sends spdlog's default logger to standard error, each line with time, process name and level;
 /// warnings and worse are flushed at once. Standard output stays free for results.
 /// Call once at start, before threads.
 /// @param process  "learner" or "actor".
-/// @param level    one of LogLevels().
-/// @throws std::invalid_argument for another level (names the near miss and the list).
-void SetUpLogging(const std::string& process, const std::string& level);
+/// @throws std::invalid_argument for an unknown level or format (names the near miss and the list).
+void SetUpLogging(const std::string& process, const LogOptions& options);
 
 }  // namespace metronome

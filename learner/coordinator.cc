@@ -185,7 +185,9 @@ LearnerStatus::State Coordinator::StateNow() const {
 }
 
 void Coordinator::PublishStatus(LearnerStatus::State state) {
-  bus_.Publish(status_.Make(state, collector_, bus_, now_()));
+  const LearnerStatus status = status_.Make(state, collector_, bus_, now_());
+  bus_.Publish(status);
+  if (setup_.on_status) setup_.on_status(status);
 }
 
 void Coordinator::StartUpdateIfReady() {

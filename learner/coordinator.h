@@ -25,6 +25,7 @@ struct CoordinatorSetup {
   RunDescription description;  // serving and finished are the coordinator's to set
   OrderRules rules;
   StatusFacts status;
+  std::function<void(const LearnerStatus&)> on_status;  // called with each that is published
   double seconds_before = 0;           // wall-clock: that the run took before this start
   std::uint64_t checkpoint_every = 1;  // updates
   std::uint64_t milestone_every = 0;   // updates; 0: none

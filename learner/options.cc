@@ -40,12 +40,23 @@ constexpr FieldOption kFieldOptions[] = {
     {"--goal", "environment.goal_visible", "G",
      "hidden or visible: whether observations show the goal [default: visible]"},
     {"--domain", "runtime.domain", "N", "DDS domain, 0 to 232"},
-    {"--transport", "runtime.transport", "X", "udp or shm (shared memory)"},
+    {"--transport", "runtime.transport", "X", "udp, shm (shared memory) or tcp"},
     {"--network", "runtime.network", "W",
-     "Who can join: loopback (this machine), lan, or the peers' addresses separated by commas"},
+     "Who can join: loopback (this machine), lan, or the peers' addresses separated by commas; "
+     "with "
+     "tcp this machine's address HOST[:PORT], as actors are to connect to it"},
+    {"--discovery-server", "runtime.discovery_server", "HOST[:PORT],...",
+     "Fast DDS Discovery Servers that introduce peers in place of multicast; with --network lan"},
+    {"--security", "runtime.security", "DIR",
+     "The learner's identity, made by deploy/security: only the run's own identities take part, "
+     "all "
+     "is encrypted [default: none]"},
     {"--threads", "runtime.learner_threads", "N", "Threads of an update; 0: all cores"},
     {"--audit", "runtime.audit_share", "X",
      "Share of episodes, 0 to 1, that two actors play and that must agree bit for bit"},
+    {"--metrics", "runtime.metrics", "[H:]PORT",
+     "Show the learner's status to Prometheus at http://H:PORT/metrics; H 127.0.0.1 unless given, "
+     "port 0 any free one [default: off]"},
     {"--checkpoint-every", "runtime.checkpoint_every", "N", "Updates between checkpoints"},
 };
 
@@ -62,7 +73,7 @@ struct RunArguments {
   bool resume = false;
   bool new_total = false;
   std::string progress = "lines";
-  std::string log_level = "info";
+  LogOptions log;
 };
 
 std::string DefaultText(const std::string& wanted) {
@@ -115,11 +126,14 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
                   "On standard output: lines, json or none [default: " + arguments.progress + "]")
       ->type_name("X");
   command
-      .add_option("--log-level", arguments.log_level,
+      .add_option("--log-level", arguments.log.level,
                   "On standard error: " + JoinNames(LogLevels()) +
-                      " "
-                      "[default: " +
-                      arguments.log_level + "]")
+                      " [default: " + arguments.log.level + "]")
+      ->type_name("X");
+  command
+      .add_option(
+          "--log-format", arguments.log.format,
+          "Of the log: text, or json: one object a line [default: " + arguments.log.format + "]")
       ->type_name("X");
 }
 
@@ -127,12 +141,21 @@ void AddStatusOptions(CLI::App& command, StatusOptions& options) {
   command.add_option("RUN", options.run, "Name of the run")->type_name("");
   command.add_option("--domain", options.domain, "DDS domain, 0 to 232 [default: 0]")
       ->type_name("N");
-  command.add_option("--transport", options.transport, "udp or shm [default: udp]")->type_name("X");
+  command.add_option("--transport", options.transport, "udp, shm or tcp [default: udp]")
+      ->type_name("X");
   command
       .add_option("--network", options.network,
                   "Where the learner is: loopback (this machine), lan, or addresses separated by "
                   "commas [default: loopback]")
       ->type_name("W");
+  command
+      .add_option("--discovery-server", options.discovery_server,
+                  "Discovery Servers, as the learner has them")
+      ->type_name("HOST[:PORT],...");
+  command
+      .add_option("--security", options.security,
+                  "An observer's identity, for a run that has --security [default: none]")
+      ->type_name("DIR");
   command.add_flag("--json", options.json, "As one JSON object a line");
   command.add_flag("--follow", options.follow, "Again each second, until the run ends or Ctrl-C");
   command
@@ -169,6 +192,12 @@ ProgressStyle ProgressOf(const std::string& word) {
   throw ConfigError("--progress: " + UnknownName("value", word, {"lines", "json", "none"}));
 }
 
+void RequireKnown(const std::string& option, const std::string& word,
+                  const std::vector<std::string>& words) {
+  if (std::find(words.begin(), words.end(), word) != words.end()) return;
+  throw ConfigError(option + ": " + UnknownName("value", word, words));
+}
+
 RunConfig ResumedConfig(const RunArguments& run, const std::string& folder, const CLI::App& command,
                         const ConfigArguments& arguments) {
   const std::string path = ConfigPathOf(folder);
@@ -196,11 +225,9 @@ RunOptions BuildRun(const RunArguments& run, const CLI::App& command,
   options.folder = (fs::path(run.runs_dir) / run.run).string();
   options.resume = run.resume;
   options.progress = ProgressOf(run.progress);
-  options.log_level = run.log_level;
-  const auto levels = LogLevels();
-  if (std::find(levels.begin(), levels.end(), run.log_level) == levels.end()) {
-    throw ConfigError("--log-level: " + UnknownName("value", run.log_level, levels));
-  }
+  options.log = run.log;
+  RequireKnown("--log-level", run.log.level, LogLevels());
+  RequireKnown("--log-format", run.log.format, LogFormats());
   if (run.resume) {
     options.config = ResumedConfig(run, options.folder, command, arguments);
     return options;

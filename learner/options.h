@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "common/config.pb.h"
+#include "common/logging.h"
 
 /// The command line of metronome-learner.
 namespace metronome {
@@ -18,7 +19,7 @@ struct RunOptions {
   bool resume = false;
   RunConfig config;  // resolved and valid; with `resume` the run's own, runtime as asked for
   ProgressStyle progress = ProgressStyle::kLines;
-  std::string log_level;
+  LogOptions log;
 };
 
 /// `inspect`.
@@ -38,6 +39,8 @@ struct StatusOptions {
   std::uint32_t domain = 0;
   std::string transport = "udp";
   std::string network = "loopback";
+  std::string discovery_server;
+  std::string security;  // folder of an identity; empty: none
   bool json = false;
   bool follow = false;       // each second, until the run ends
   double wait_seconds = 10;  // for a learner

@@ -165,9 +165,9 @@ void OrderLedger::Hear(Number& number, std::uint64_t actor_id) {
 }
 
 const std::string& OrderLedger::HostOf(std::uint64_t actor_id) const {
-  static const std::string kUnknown = "unknown host";
+  static const std::string unknown = "unknown host";
   const auto host = host_of_.find(actor_id);
-  return host == host_of_.end() ? kUnknown : host->second;
+  return host == host_of_.end() ? unknown : host->second;
 }
 
 void OrderLedger::AcceptHeard(std::uint64_t number, std::uint64_t actor_id,

@@ -38,7 +38,9 @@ void ProgressPrinter::Started(std::uint64_t version, std::uint64_t steps) {
              {"total_steps", facts_.total_steps},
              {"domain", facts_.domain},
              {"transport", facts_.transport},
-             {"network", facts_.network}}
+             {"network", facts_.network},
+             {"discovery_server", facts_.discovery_server},
+             {"security", facts_.security}}
             .dump());
   }
 }

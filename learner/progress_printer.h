@@ -17,9 +17,11 @@ struct RunFacts {
   std::uint64_t incarnation = 0;
   std::uint64_t updates_total = 0;
   std::uint64_t total_steps = 0;  // environment steps, whole updates
-  std::string network;            // how actors join: domain, transport, network
+  std::string network;            // how actors join: domain, transport, network, Discovery Servers
   std::string transport;
+  std::string discovery_server;
   std::uint32_t domain = 0;
+  std::string security;  // folder of the learner's identity; empty: none
 };
 
 /// What `run` says on standard output: lines for people, one JSON object a line for programs, or

@@ -18,12 +18,14 @@
 #include "common/config.h"
 #include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
+#include "common/dds/security.h"
 #include "common/logging.h"
 #include "common/signal_watch.h"
 #include "learner/background.h"
 #include "learner/coordinator.h"
 #include "learner/exit_codes.h"
 #include "learner/file_run_record.h"
+#include "learner/metrics_server.h"
 #include "learner/run_folder.h"
 #include "learner/trainer_learning.h"
 
@@ -77,7 +79,10 @@ BusOptions BusOptionsOf(const RunOptions& options) {
   bus.domain = options.config.runtime().domain();
   bus.transport = ParseTransport(options.config.runtime().transport());
   bus.network = ParseNetwork(options.config.runtime().network());
+  bus.security = options.config.runtime().security();
+  bus.discovery_servers = ParseDiscoveryServers(options.config.runtime().discovery_server());
   CheckBusOptions(bus);
+  CheckIdentity(bus, "learner");
   return bus;
 }
 
@@ -133,6 +138,14 @@ Start StartOf(const RunOptions& options) {
   return start;
 }
 
+/// What actors give for --network. Over TCP it is what the learner is given; peers that are found
+/// by UDP are the actors' addresses here, and the learner's there.
+std::string NetworkOfActors(const RuntimeConfig& runtime) {
+  const bool names_peers = runtime.network() != "loopback" && runtime.network() != "lan";
+  if (names_peers && runtime.transport() != "tcp") return "<address of " + HostName() + ">";
+  return runtime.network();
+}
+
 CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
   const RunConfig& config = options.config;
   CoordinatorSetup setup;
@@ -164,8 +177,12 @@ CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
     setup.how_to_join += " --transport " + config.runtime().transport();
   }
   if (config.runtime().network() != "loopback") {
-    setup.how_to_join += " --network " + config.runtime().network();
+    setup.how_to_join += " --network " + NetworkOfActors(config.runtime());
   }
+  if (!config.runtime().discovery_server().empty()) {
+    setup.how_to_join += " --discovery-server " + config.runtime().discovery_server();
+  }
+  if (!config.runtime().security().empty()) setup.how_to_join += " --security DIR/ACTOR";
   return setup;
 }
 
@@ -179,6 +196,8 @@ RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
   facts.domain = options.config.runtime().domain();
   facts.transport = options.config.runtime().transport();
   facts.network = options.config.runtime().network();
+  facts.security = options.config.runtime().security();
+  facts.discovery_server = options.config.runtime().discovery_server();
   return facts;
 }
 
@@ -187,14 +206,24 @@ int ThreadsOf(const RunConfig& config) {
   return wanted > 0 ? wanted : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
 
+std::unique_ptr<MetricsServer> MetricsServerOf(const RunConfig& config) {
+  const std::string& address = config.runtime().metrics();
+  if (address.empty()) return nullptr;
+  return std::make_unique<MetricsServer>(ParseListenAddress(address));
+}
+
 int Serve(const RunOptions& options, StopTarget& target) {
   const BusOptions bus_options = BusOptionsOf(options);
+  const auto metrics = MetricsServerOf(options.config);
   RunFolder folder(options.folder);
   Start start = StartOf(options);
   TrainerLearning learning(options.config, start.checkpoint.state, ThreadsOf(options.config));
   start.checkpoint.incarnation = folder.NextIncarnation(start.checkpoint.incarnation);
   start.checkpoint.build = BuildIdentity();
-  const CoordinatorSetup setup = SetupOf(options, start);
+  CoordinatorSetup setup = SetupOf(options, start);
+  if (metrics) {
+    setup.on_status = [&metrics](const LearnerStatus& status) { metrics->Show(status); };
+  }
   FileRunRecord record(options.folder, std::move(start.checkpoint),
                        ProgressPrinter(options.progress, FactsOf(options, setup), std::cout));
   const auto bus = MakeDdsLearnerBus(bus_options);
@@ -211,7 +240,7 @@ int Serve(const RunOptions& options, StopTarget& target) {
 }  // namespace
 
 int ServeRun(const RunOptions& options) {
-  SetUpLogging("learner", options.log_level);
+  SetUpLogging("learner", options.log);
   // Whoever reads our output may leave; the run goes on.
   std::signal(SIGPIPE, SIG_IGN);
   StopTarget target;

@@ -26,6 +26,8 @@ BusOptions BusOptionsOf(const StatusOptions& options) {
   bus.domain = options.domain;
   bus.transport = ParseTransport(options.transport);
   bus.network = ParseNetwork(options.network);
+  bus.security = options.security;
+  bus.discovery_servers = ParseDiscoveryServers(options.discovery_server);
   CheckBusOptions(bus);
   return bus;
 }
@@ -79,8 +81,9 @@ int Watch(const StatusOptions& options) {
   if (!newest) {
     spdlog::error(
         "no learner of run {} is heard within {} s (domain {}, network {}): is it running, and "
-        "were --run, --domain and --network the same there? On another machine it must have been "
-        "started with --network lan or with peers",
+        "were --run, --domain, --transport, --network, --discovery-server and the authority of "
+        "--security the same there? On another machine it must not have been started with "
+        "--network loopback",
         options.run, options.wait_seconds, options.domain, options.network);
     return kExitNoLearner;
   }
@@ -91,7 +94,7 @@ int Watch(const StatusOptions& options) {
 }  // namespace
 
 int WatchRun(const StatusOptions& options) {
-  SetUpLogging("status", "info");
+  SetUpLogging("status", {});
   try {
     return Watch(options);
   } catch (const std::invalid_argument& error) {

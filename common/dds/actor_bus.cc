@@ -29,6 +29,7 @@ class Ends {
         participant_(options, dds::kActorRole) {}
 
   [[nodiscard]] bool HasLearner() const { return episode_watch_.HasReader(); }
+  [[nodiscard]] bool HasHeardLearner() const { return heard_learner_; }
 
   ActorBus::SendResult Send(EpisodeMessage message, const std::atomic<bool>& closed) {
     auto sample = episodes_.Pack(std::move(message));
@@ -64,7 +65,10 @@ class Ends {
   std::optional<ActorEvent> NextLearner() {
     const auto event = sightings_.Next();
     if (!event) return std::nullopt;
-    if (const auto* description = std::get_if<RunDescription>(&*event)) return *description;
+    if (const auto* description = std::get_if<RunDescription>(&*event)) {
+      heard_learner_ = true;
+      return *description;
+    }
     if (const auto* gone = std::get_if<dds::LearnerGone>(&*event)) {
       return LearnerLost{gone->learner_id};
     }
@@ -77,6 +81,7 @@ class Ends {
   }
 
   const std::uint64_t actor_id_;
+  bool heard_learner_ = false;
   // Before the participant: no listener may be called once it is gone.
   ReaderWatch episode_watch_;
   WriterWatch snapshot_watch_;
@@ -128,7 +133,8 @@ class DdsActorBus final : public ActorBus {
   }
 
  private:
-  // Without a learner for so long: whatever half-known state there may be is given up.
+  // Without a word of a learner for so long: whatever half-known state there may be is given up. A
+  // learner whose endpoints are known may not know ours.
   static constexpr std::chrono::seconds kRenewEvery{10};
 
   std::optional<ActorEvent> Next() {
@@ -136,7 +142,7 @@ class DdsActorBus final : public ActorBus {
     if (inbox_.TakeWoken()) return Woken{};
     auto event = ends_->Next();
     const Clock::time_point now = Clock::now();
-    if (ends_->HasLearner()) {
+    if (ends_->HasLearner() && ends_->HasHeardLearner()) {
       renew_at_ = now + kRenewEvery;
     } else if (now >= renew_at_ || (event && std::holds_alternative<LearnerLost>(*event))) {
       Renew();

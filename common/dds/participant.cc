@@ -1,16 +1,14 @@
 #include "common/dds/participant.h"
 
-#include <fastdds/rtps/builtin/data/ParticipantProxyData.h>
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/log/Log.hpp>
-#include <fastdds/dds/log/StdoutErrConsumer.hpp>
 #include <fastdds/dds/topic/ContentFilteredTopic.hpp>
 #include <memory>
 #include <mutex>
@@ -18,10 +16,17 @@
 #include <utility>
 
 #include "common/dds/actor_filter.h"
+#include "common/dds/lease_race_guard.h"
 #include "common/dds/participant_qos.h"
+#include "common/dds/security.h"
+#include "common/dds/tcp.h"
 
 namespace metronome::dds {
 namespace {
+
+const eprosima::fastrtps::Duration_t kLivelinessLease{kLeaseMilliseconds / 1000,
+                                                      kLeaseMilliseconds % 1000 * 1'000'000};
+const eprosima::fastrtps::Duration_t kLivelinessPeriod{0, 500'000'000};
 
 template <class Pointer>
 Pointer Made(Pointer entity, const std::string& what) {
@@ -36,42 +41,54 @@ void Check(const eprosima::fastrtps::types::ReturnCode_t& code, const std::strin
   }
 }
 
-/// Fast DDS reports its errors on standard output by default, which belongs to results.
-void SendLogToStandardError() {
-  using fdds::Log;
+/// What Fast DDS has to say is part of our log; by default it goes to standard output, which
+/// belongs to results.
+class LogForwarder final : public fdds::LogConsumer {
+ public:
+  void Consume(const fdds::Log::Entry& entry) override {
+    log_->log(LevelOf(entry.kind), "Fast DDS, {}: {}", entry.context.category, entry.message);
+  }
+
+ private:
+  static spdlog::level::level_enum LevelOf(fdds::Log::Kind kind) {
+    if (kind == fdds::Log::Kind::Error) return spdlog::level::err;
+    return kind == fdds::Log::Kind::Warning ? spdlog::level::warn : spdlog::level::info;
+  }
+
+  // Kept: Fast DDS may have a last word when spdlog has let go of its own.
+  const std::shared_ptr<spdlog::logger> log_ = spdlog::default_logger();
+};
+
+void TakeOverLog() {
   static std::once_flag once;
   std::call_once(once, [] {
-    auto consumer = std::make_unique<fdds::StdoutErrConsumer>();
-    consumer->stderr_threshold(Log::Kind::Info);
-    Log::ClearConsumers();
-    Log::RegisterConsumer(std::move(consumer));
+    fdds::Log::ClearConsumers();
+    fdds::Log::RegisterConsumer(std::make_unique<LogForwarder>());
   });
 }
 
-/// Keeps a race inside Debian's Fast DDS from ending the process. A participant that leaves is
-/// cleared by the thread that hears it; if its lease is looked at just then by the timers' thread,
-/// that one finds it cleared and asserts (PDP::check_remote_participant_liveliness): seen at the
-/// end of every other run with 64 actors. The callback comes before the clearing; without the flag
-/// the timers' thread looks no further. It is set again whenever the object is used again.
-class LeaseRaceGuard final : public fdds::DomainParticipantListener {
+/// Says that somebody was turned away, who to himself and to others looks like one that is not
+/// there. A few times a process: outsiders try again for ever.
+class SecurityLog final : public LeaseRaceGuard {
  public:
-  void on_participant_discovery(
+  void onParticipantAuthentication(
       fdds::DomainParticipant* /*participant*/,
-      eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& discovered) override {
-    using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
-    if (discovered.status != Info::REMOVED_PARTICIPANT &&
-        discovered.status != Info::DROPPED_PARTICIPANT) {
-      return;
-    }
-    using Proxy = eprosima::fastrtps::rtps::ParticipantProxyData;
-    const_cast<Proxy&>(discovered.info).should_check_lease_duration = false;
+      eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override {
+    if (info.status == info.AUTHORIZED_PARTICIPANT || times_++ >= kMostTimes) return;
+    spdlog::warn(
+        "turned away a process of this DDS domain whose identity is not good here: it has no "
+        "--security, or one that another authority made, or that is expired or revoked");
   }
+
+ private:
+  static constexpr int kMostTimes = 3;
+  std::atomic<int> times_{0};
 };
 
-/// Stateless; outlives all participants.
-fdds::DomainParticipantListener* TheLeaseRaceGuard() {
-  static LeaseRaceGuard guard;
-  return &guard;
+/// Outlives all participants.
+fdds::DomainParticipantListener* TheListener() {
+  static SecurityLog listener;
+  return &listener;
 }
 
 /// Whether an interface other than loopback runs and has an IPv4 address.
@@ -111,19 +128,28 @@ ParticipantKey ParticipantOf(const fdds::InstanceHandle_t& endpoint) {
 
 Participant::Participant(const BusOptions& options, const std::string& role) {
   CheckBusOptions(options);
-  SendLogToStandardError();
+  CheckIdentity(options, role);
+  TakeOverLog();
   SwitchIntraprocessDeliveryOff();
   WarnWithoutANetwork(options.network);
   if (options.transport == Transport::kSharedMemory) {
     memory_.emplace(options.run_name, options.domain);
   }
+  if (!options.discovery_servers.empty()) {
+    discovery_.emplace(options.discovery_servers, !FindsLearnersAlone(role));
+  }
+  fdds::DomainParticipantListener* listener = TheListener();
+  if (discovery_) listener = &*discovery_;
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   participant_ = Made(
-      factory->create_participant(options.domain, ParticipantQos(options, role),
-                                  TheLeaseRaceGuard(), fdds::StatusMask::none()),
+      factory->create_participant(options.domain, ParticipantQos(options, role), listener,
+                                  fdds::StatusMask::none()),
       "participant in domain " + std::to_string(options.domain) + " (are its UDP ports free?)");
   if (memory_) memory_->Write();
   try {
+    if (options.transport == Transport::kTcp && !FindsLearnersAlone(role)) {
+      EndSilentConnections(TcpPort(options));
+    }
     Check(participant_->register_content_filter_factory(ActorFilterFactory::kClassName,
                                                         ActorFilterFactory::Get()),
           "registering the filter of orders");
@@ -142,6 +168,7 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
 Participant::~Participant() { DeleteAll(); }
 
 void Participant::DeleteAll() {
+  if (discovery_) discovery_->Stop();
   participant_->delete_contained_entities();
   fdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
@@ -158,7 +185,15 @@ fdds::Topic* Participant::MakeTopic(const TopicProfile& profile, const fdds::Typ
 
 fdds::DataWriter* Participant::MakeWriter(fdds::Topic* topic, const TopicProfile& profile,
                                           fdds::DataWriterListener* listener) {
-  return Made(publisher_->create_datawriter(topic, WriterQos(profile), listener),
+  fdds::DataWriterQos qos = WriterQos(profile);
+  if (discovery_) {
+    // Peers that a server introduced do not announce themselves to each other; this makes them
+    // speak often enough for their leases.
+    qos.liveliness().kind = fdds::AUTOMATIC_LIVELINESS_QOS;
+    qos.liveliness().lease_duration = kLivelinessLease;
+    qos.liveliness().announcement_period = kLivelinessPeriod;
+  }
+  return Made(publisher_->create_datawriter(topic, qos, listener),
               std::string("writer of ") + profile.name);
 }
 

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "common/dds/bus_options.h"
+#include "common/dds/discovery_client.h"
 #include "common/dds/shared_memory.h"
 #include "common/dds/topics.h"
 #include "common/dds/wire_type.h"
@@ -70,7 +71,8 @@ class Participant {
                                std::optional<std::uint64_t> only_actor_id);
   void DeleteAll();
 
-  std::optional<SharedMemoryNote> memory_;  // outlives the participant, of whose files it tells
+  std::optional<DiscoveryClient> discovery_;  // with Discovery Servers; outlives the participant
+  std::optional<SharedMemoryNote> memory_;    // outlives the participant, of whose files it tells
   std::shared_ptr<Traffic> traffic_ = std::make_shared<Traffic>();
   fdds::DomainParticipant* participant_ = nullptr;
   fdds::Publisher* publisher_ = nullptr;

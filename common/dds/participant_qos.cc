@@ -6,7 +6,9 @@
 
 #include <memory>
 
+#include "common/dds/security.h"
 #include "common/dds/shared_memory.h"
+#include "common/dds/tcp.h"
 
 namespace metronome::dds {
 namespace {
@@ -23,13 +25,17 @@ constexpr std::uint32_t kSegmentBytes = 16 << 20;  // a history of episodes and 
 // KB of loopback IP makes 45 fragments, and each that is lost costs them all: at 5 % loss one
 // datagram of ten arrives, at 20 % none ever does.
 constexpr std::uint32_t kDatagramBytes = 1400;
+// Fast DDS does not cut the messages of its handshake, which carry certificate and permissions: 4.6
+// KB, 5.9 KB with the longest names, more on hosts of many addresses. Five packets a datagram then.
+constexpr std::uint32_t kSecureDatagramBytes = 7392;
 // Participants a machine that unicast discovery without a port reaches.
 constexpr std::uint32_t kParticipantsPerPeer = 16;
 // Actors take the ports behind those: what is sent to the well-known ones finds learners alone.
 constexpr std::uint32_t kFirstActor = kParticipantsPerPeer;
 
 // A killed peer is noticed after the lease; announcements leave room for starved threads.
-const eprosima::fastrtps::Duration_t kLease{2, 500'000'000};
+const eprosima::fastrtps::Duration_t kLease{kLeaseMilliseconds / 1000,
+                                            kLeaseMilliseconds % 1000 * 1'000'000};
 const eprosima::fastrtps::Duration_t kAnnouncement{0, 500'000'000};
 
 rtps::Locator_t UdpLocator(const std::string& address, std::uint32_t port) {
@@ -40,15 +46,15 @@ rtps::Locator_t UdpLocator(const std::string& address, std::uint32_t port) {
   return locator;
 }
 
-std::shared_ptr<fdds_rtps::TransportDescriptorInterface> UdpTransport(const Network& network) {
+std::shared_ptr<fdds_rtps::TransportDescriptorInterface> UdpTransport(const BusOptions& options) {
   auto udp = std::make_shared<fdds_rtps::UDPv4TransportDescriptor>();
   udp->sendBufferSize = kSocketBufferBytes;
   udp->receiveBufferSize = kSocketBufferBytes;
   udp->maxInitialPeersRange = kParticipantsPerPeer;
-  if (network.scope == Network::Scope::kLoopback) {
+  if (options.network.scope == Network::Scope::kLoopback) {
     udp->interfaceWhiteList.emplace_back(kLoopbackAddress);
   } else {
-    udp->maxMessageSize = kDatagramBytes;
+    udp->maxMessageSize = options.security.empty() ? kDatagramBytes : kSecureDatagramBytes;
   }
   return udp;
 }
@@ -64,18 +70,39 @@ void AddPeer(const Network::Peer& peer, std::uint32_t first_actor_port, bool is_
   }
 }
 
+void SetLease(rtps::BuiltinAttributes* builtin) {
+  builtin->discovery_config.leaseDuration = kLease;
+  builtin->discovery_config.leaseDuration_announcementperiod = kAnnouncement;
+}
+
+/// Servers tell a participant of those alone whose topics it shares: with them too, discovery is a
+/// star.
+void SetDiscoveryServers(const BusOptions& options, fdds::WireProtocolConfigQos* wire) {
+  auto& config = wire->builtin.discovery_config;
+  config.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
+  int id = 0;
+  for (const Network::Peer& peer : options.discovery_servers) {
+    rtps::RemoteServerAttributes server;
+    rtps::get_server_client_default_guidPrefix(id++, server.guidPrefix);
+    server.metatrafficUnicastLocatorList.push_back(UdpLocator(peer.address, peer.port));
+    config.m_DiscoveryServers.push_back(server);
+  }
+}
+
 /// Discovery is a star. All participants that hear each other exchange their endpoints, announce
 /// themselves to each other twice a second and once more whenever another appears: with N actors
 /// that is N^3 messages at the start. So actors speak to the multicast group and to the learners'
 /// well-known ports, but hear only who answers them: the learners.
 void SetDiscovery(const BusOptions& options, bool is_actor, fdds::WireProtocolConfigQos* wire) {
   rtps::BuiltinAttributes& builtin = wire->builtin;
-  builtin.discovery_config.leaseDuration = kLease;
-  builtin.discovery_config.leaseDuration_announcementperiod = kAnnouncement;
   const std::uint32_t first_actor_port = wire->port.getUnicastPort(options.domain, kFirstActor);
   // Fast DDS takes the next free port of those that follow; 0 means the first learner's.
   builtin.metatrafficUnicastLocatorList.push_back(
       UdpLocator("0.0.0.0", is_actor ? first_actor_port : 0));
+  if (!options.discovery_servers.empty()) {
+    SetDiscoveryServers(options, wire);
+    return;
+  }
   // This machine by unicast always: not every kernel's loopback carries multicast.
   builtin.initialPeersList.push_back(UdpLocator(kLoopbackAddress, 0));
   if (options.network.scope == Network::Scope::kPeers) {
@@ -104,15 +131,24 @@ void AddSharedMemory(fdds::DomainParticipantQos* qos) {
 
 }  // namespace
 
+bool FindsLearnersAlone(const std::string& role) {
+  return role == kActorRole || role == kObserverRole;
+}
+
 fdds::DomainParticipantQos ParticipantQos(const BusOptions& options, const std::string& role) {
   fdds::DomainParticipantQos qos = fdds::PARTICIPANT_QOS_DEFAULT;
   qos.name("metronome-" + role + " " + options.run_name);
+  if (!options.security.empty()) AddSecurity(options.security, &qos.properties());
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(UdpTransport(options.network));
   qos.transport().send_socket_buffer_size = kSocketBufferBytes;
   qos.transport().listen_socket_buffer_size = kSocketBufferBytes;
-  const bool finds_learners_alone = role == kActorRole || role == kObserverRole;
-  SetDiscovery(options, finds_learners_alone, &qos.wire_protocol());
+  SetLease(&qos.wire_protocol().builtin);
+  if (options.transport == Transport::kTcp) {
+    AddTcp(options, !FindsLearnersAlone(role), &qos);
+    return qos;
+  }
+  qos.transport().user_transports.push_back(UdpTransport(options));
+  SetDiscovery(options, FindsLearnersAlone(role), &qos.wire_protocol());
   if (options.transport == Transport::kSharedMemory) AddSharedMemory(&qos);
   return qos;
 }

@@ -3,6 +3,7 @@
 import sys
 
 import builds
+import identities
 import options as command_line
 from session import Session
 
@@ -12,6 +13,8 @@ def main():
     if options.build is None:
         options.build = builds.set_up(options.mujoco)
     options.build = options.build.absolute()
+    if options.security is not None:
+        identities.make_missing(options)
     return Session(options).run()
 
 

@@ -144,17 +144,36 @@ def _parser():
         help="engine (default %(default)s)",
     )
     parser.add_argument("--domain", type=_whole(0, 232), metavar="N", help="DDS domain (default 0)")
-    parser.add_argument("--transport", type=_one_of(("udp", "shm")), help="default udp")
+    parser.add_argument("--transport", type=_one_of(("udp", "shm", "tcp")), help="default udp")
     parser.add_argument(
         "--network",
         metavar="loopback|lan|PEERS",
-        help="who can join: this machine only (default), the local network, or named hosts",
+        help="who can join: this machine only (default), the local network, or named hosts; "
+        "with tcp this machine's address, HOST[:PORT], as others are to connect to it",
+    )
+    parser.add_argument(
+        "--discovery-server",
+        metavar="HOST[:PORT],...",
+        help="Fast DDS Discovery Servers that introduce peers in place of multicast; "
+        "with --network lan",
+    )
+    parser.add_argument(
+        "--security",
+        type=Path,
+        metavar="DIR",
+        help="only identities of the run's own authority take part, all is encrypted; DIR is made, "
+        "or added to, by deploy/security",
     )
     parser.add_argument(
         "--audit",
         metavar="X",
         help="share of episodes, 0 to 1, that two actors play and that must agree bit for bit "
         "(default 0)",
+    )
+    parser.add_argument(
+        "--metrics",
+        metavar="[HOST:]PORT",
+        help="show the run to Prometheus there (default off; HOST 127.0.0.1 unless given)",
     )
     parser.add_argument(
         "--runs",
@@ -201,6 +220,7 @@ def parse(arguments):
     if options.resume and not options.named:
         parser.error("--resume needs --run NAME: the run to go on with")
     options.runs = options.runs.absolute()
+    options.security = options.security and options.security.absolute()
     options.run = options.run or _fresh_name(options)
     options.folder = options.runs / options.run
     if options.resume and not options.folder.is_dir():
@@ -241,18 +261,22 @@ def learner_command(options):
         "domain",
         "transport",
         "network",
+        "discovery-server",
         "audit",
+        "metrics",
     ):
-        value = getattr(options, name)
+        value = getattr(options, name.replace("-", "_"))
         if value is not None:
             command += [f"--{name}", str(value)]
+    if options.security is not None:
+        command += ["--security", str(options.security / "learner")]
     for assignment in options.set:
         command += ["--set", assignment]
     command += ["--resume"] if options.resume else []
     return command + (["--new-total"] if options.new_total else [])
 
 
-def actor_command(options, started):
+def actor_command(options, index, started):
     """An actor's command line; `started` is what the learner said when it accepted the run."""
     command = [
         str(options.build / "bin" / "metronome-actor"),
@@ -262,10 +286,13 @@ def actor_command(options, started):
         "--envs",
         str(options.envs),
     ]
-    for name in ("domain", "transport", "network"):
-        value = started.get(name, getattr(options, name))
-        if value is not None:
+    for name in ("domain", "transport", "network", "discovery-server"):
+        field = name.replace("-", "_")
+        value = started.get(field, getattr(options, field))
+        if value not in (None, ""):
             command += [f"--{name}", str(value)]
+    if started.get("security"):  # of a run gone on with, too
+        command += ["--security", str(Path(started["security"]).parent / f"actor-{index}")]
     return command
 
 

@@ -154,7 +154,7 @@ class Session:
             if actor.process and actor.start_at is None and actor.process.poll() is not None:
                 self._on_actor_end(actor)
             if actor.start_at is not None and time.monotonic() >= actor.start_at:
-                actor.start(command_line.actor_command(self._options, self._started))
+                actor.start(command_line.actor_command(self._options, actor.index, self._started))
         self._failed = bool(self._actors) and all(actor.given_up for actor in self._actors)
 
     def _on_actor_end(self, actor):

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/config.h"
+#include "common/logging.h"
 #include "tests/bench/swarm_actor.h"
 #include "tests/bench/swarm_bank.h"
 #include "tests/bench/swarm_probe.h"
@@ -115,6 +116,7 @@ int Main(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
+    metronome::SetUpLogging("swarm", {});
     return metronome::bench::Main(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "swarm: %s\n", error.what());

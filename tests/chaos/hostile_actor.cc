@@ -104,7 +104,7 @@ std::uint64_t RandomId() {
 }
 
 int Run(const BusOptions& options, const std::string& kind) {
-  SetUpLogging("hostile-actor", "info");
+  SetUpLogging("hostile-actor", {});
   ActorClientOptions client_options;
   client_options.run_name = options.run_name;
   client_options.domain = options.domain;

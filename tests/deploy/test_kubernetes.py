@@ -2,10 +2,10 @@
 
 import json
 import subprocess
-import sys
 
 import pytest
 
+import environments
 from harness import BUILD, ROOT, SMALL
 
 MANIFEST = ROOT / "deploy" / "kubernetes" / "metronome.yaml"
@@ -15,18 +15,8 @@ VERSIONS = ("1.28", "1.31", "1.34")
 
 @pytest.fixture(scope="module")
 def tools():
-    """bin/ of a virtual environment with kubernetes-validate and PyYAML, made once a checkout."""
-    home = ROOT / ".cache" / "kubernetes"
-    stamp = home / ".stamp"
-    if not stamp.exists() or stamp.read_text() != REQUIREMENTS.read_text():
-        pip = [home / "bin" / "python", "-m", "pip", "install", "--quiet", "--no-deps"]
-        pip += ["--only-binary", ":all:", "--require-hashes", "-r", REQUIREMENTS]
-        for command in ([sys.executable, "-m", "venv", "--clear", home], pip):
-            made = subprocess.run(command, capture_output=True, text=True, timeout=200)
-            if made.returncode != 0:
-                pytest.skip(f"no virtual environment (python3-venv, network): {made.stderr[-300:]}")
-        stamp.write_text(REQUIREMENTS.read_text())
-    return home / "bin"
+    """bin/ of a virtual environment with kubernetes-validate and PyYAML."""
+    return environments.python("kubernetes", REQUIREMENTS) / "bin"
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +46,7 @@ def command(document, replaced):
 @pytest.mark.parametrize("version", VERSIONS)
 def test_the_manifest_keeps_to_the_schemas_of_kubernetes(tools, version):
     verdict = subprocess.run(
-        [tools / "kubernetes-validate", "--strict", "-k", version, MANIFEST],
+        [tools / "python", tools / "kubernetes-validate", "--strict", "-k", version, MANIFEST],
         capture_output=True,
         text=True,
         timeout=60,

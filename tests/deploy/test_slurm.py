@@ -10,7 +10,7 @@ import time
 import pytest
 
 import children
-from harness import BUILD, DEADLINE, ROOT, SMALL
+from harness import BUILD, DEADLINE, EPISODES, HORIZON, ROOT, SMALL, STEPS
 
 PROGRAMS = ("slurmctld", "slurmd", "munged", "sbatch", "srun", "scontrol")
 missing = [name for name in PROGRAMS if not shutil.which(name, path="/usr/sbin:/usr/bin")]
@@ -149,3 +149,22 @@ def test_a_job_on_two_nodes_gives_the_weights_of_a_run_without_slurm(stage, clus
     expected = stage.train("calm")
     cluster.finish(cluster.submit(stage.runs, "job", *SMALL))
     assert stage.inspect(stage.latest("job"))["weights_sha256"] == expected
+
+
+def test_a_job_whose_time_is_nearly_up_is_requeued_and_goes_on(stage, cluster):
+    longer = [str(100 * EPISODES * HORIZON) if word == str(STEPS) else word for word in SMALL]
+    job = cluster.submit(stage.runs, "job", *longer)
+    latest = stage.latest("job")
+    wait_until(lambda: latest.exists() and latest.resolve().name > "000000.ckpt", cluster.words)
+    cluster.ask("scancel", "--batch", "--signal=USR1", job)
+    wait_until(lambda: cluster.state(job) == "PENDING", cluster.words)
+    assert 0 < stage.inspect(stage.latest("job"))["version"] < 100, "it was not under way"
+    # Slurm lets a requeued job wait for two minutes; sooner than two seconds its credential is the old one.
+    cluster.ask("scontrol", "update", f"JobId={job}", "StartTime=now+5seconds")
+    cluster.finish(job)
+
+    learner, actor = stage.learner("calm", small=longer), stage.actor("calm")
+    assert (learner.wait(), actor.wait()) == (0, 0), learner
+    job_end, calm_end = (stage.inspect(stage.latest(name)) for name in ("job", "calm"))
+    assert job_end["incarnation"] == 2
+    assert job_end["weights_sha256"] == calm_end["weights_sha256"]

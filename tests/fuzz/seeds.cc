@@ -58,6 +58,8 @@ void WriteWire(const Corpus& corpus) {
   corpus.WriteSample<wire::EpisodeOrderPubSubType>("EpisodeOrder", "refuse", refusal);
   corpus.WriteSample<wire::EpisodePubSubType>("Episode", "two-steps", test::SomeEpisode(7, 2));
   corpus.WriteSample<wire::ActorStatusPubSubType>("ActorStatus", "one", test::SomeStatus(11));
+  corpus.WriteSample<wire::LearnerStatusPubSubType>("LearnerStatus", "two-actors",
+                                                    test::SomeLearnerStatus(3));
 }
 
 void WriteFiles(const Corpus& corpus) {

@@ -40,6 +40,13 @@ SMALL = (
 )
 
 
+def small(steps):
+    """SMALL with another number of steps."""
+    words = list(SMALL)
+    words[words.index("--steps") + 1] = str(steps)
+    return words
+
+
 class Process:
     """A child whose output is read as it comes."""
 
@@ -177,12 +184,13 @@ class Stage:
         self.runs = folder / "runs"
         self.processes = []
 
-    def start(self, *command):
-        process = Process(command)
+    def start(self, *command, host=None):
+        """@param host  of namespaces.py, to run there; None: this machine."""
+        process = Process(host.process(*command) if host else command)
         self.processes.append(process)
         return process
 
-    def learner(self, run, *options, small=SMALL, runs=None):
+    def learner(self, run, *options, small=SMALL, runs=None, host=None):
         return self.start(
             LEARNER,
             "run",
@@ -196,10 +204,18 @@ class Stage:
             "json",
             *small,
             *options,
+            host=host,
         )
 
-    def actor(self, run, *options):
-        return self.start(ACTOR, "run", "--run", run, "--domain", self.domain, *options)
+    def actor(self, run, *options, host=None):
+        return self.start(
+            ACTOR, "run", "--run", run, "--domain", self.domain, *options, host=host
+        )
+
+    def status(self, run, *options, host=None):
+        return self.start(
+            LEARNER, "status", run, "--domain", self.domain, "--json", *options, host=host
+        )
 
     def train(self, run, *options, actors=1, actor_options=(), small=SMALL):
         """A whole run: a learner and actors, each expected to end well. @return weights_sha256."""
@@ -207,13 +223,13 @@ class Stage:
         team = [self.actor(run, *actor_options) for _ in range(actors)]
         return self.finish(run, learner, team)
 
-    def finish(self, run, learner, team):
+    def finish(self, run, learner, team, updates=UPDATES):
         """Waits for the end of a run. @return weights_sha256 of its last checkpoint."""
         assert learner.wait() == 0, learner
         for actor in team:
             assert actor.wait() == 0, actor
         state = self.inspect(self.latest(run))
-        assert (state["version"], state["steps"]) == (UPDATES, STEPS)
+        assert (state["version"], state["steps"]) == (updates, updates * EPISODES * HORIZON)
         return state["weights_sha256"]
 
     def latest(self, run):

@@ -2,18 +2,11 @@
 
 import signal
 
-from harness import LEARNER, SMALL, UPDATES, parse_json
-
+from harness import LEARNER, UPDATES, parse_json, small
 
 
 def status(stage, run, *options):
     return stage.start(LEARNER, "status", run, "--domain", stage.domain, *options)
-
-
-def small(steps):
-    words = list(SMALL)
-    words[words.index("--steps") + 1] = str(steps)
-    return words
 
 
 def test_a_running_run_is_shown_with_its_actors_as_a_table_and_as_json(stage):
@@ -53,7 +46,7 @@ def test_following_ends_with_the_run(stage):
 def test_a_learner_that_is_not_there_ends_with_3_and_what_to_try(stage):
     nobody = status(stage, "nobody", "--wait", "0.5")
     assert nobody.wait() == 3, nobody
-    for words in ("nobody", f"domain {stage.domain}", "network loopback", "--network lan"):
+    for words in ("nobody", f"domain {stage.domain}", "network loopback", "--network loopback"):
         assert words in nobody.text
 
 

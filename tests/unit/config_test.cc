@@ -7,6 +7,7 @@
 #include <fstream>
 #include <functional>
 
+#include "common/listen_address.h"
 #include "common/task_names.h"
 
 namespace metronome {
@@ -301,10 +302,14 @@ TEST(ValidateTest, ComplaintsNameFieldValueAndWhatIsAllowed) {
             "(episodes_per_update * horizon)");
   EXPECT_EQ(ComplaintOf("runtime.transport", "upd"),
             "runtime.transport is an unknown transport \"upd\"; did you mean \"udp\"? Known: udp, "
-            "shm");
+            "shm, tcp");
   EXPECT_EQ(ComplaintOf("runtime.network", "loopbak"),
             "runtime.network is \"loopbak\"; did you mean \"loopback\"? must be loopback, lan, or "
             "the peers' addresses separated by commas");
+  EXPECT_EQ(
+      ComplaintOf("runtime.metrics", "9464/tcp"),
+      "runtime.metrics is \"9464/tcp\": must be PORT or HOST:PORT, a port from 0 to 65535 and "
+      "a numeric IPv4 address");
   EXPECT_EQ(ComplaintOf("environment.task", "pussh"),
             "environment.task is an unknown task \"pussh\"; did you mean \"push\"? Known: "
             "assembly, bin-picking, box-close, push");
@@ -365,6 +370,22 @@ TEST(ValidateTest, PeersAreTakenAndMalformedListsRefused) {
   for (const std::string peers : {"", ",", "10.0.0.1,", "10.0.0.1,,10.0.0.2", "a b", "Loopback"}) {
     EXPECT_TRUE(ComplaintOf("runtime.network", peers).starts_with("runtime.network is ")) << peers;
   }
+}
+
+TEST(ValidateTest, MetricsAreShownAtAPortOfOnesChoice) {
+  for (const std::string address : {"", "0", "9464", "65535", "0.0.0.0:9464", "127.0.0.1:0"}) {
+    ExpectAccepted("runtime.metrics", address);
+  }
+  for (const std::string address : {"65536", "-1", "+1", "a", ":9464", "host:9464", "10.0.0:9464",
+                                    "10.0.0.1:", "10.0.0.1:9464:1", "::1:9464", " 9464"}) {
+    EXPECT_TRUE(ComplaintOf("runtime.metrics", address).starts_with("runtime.metrics is \""))
+        << address;
+  }
+}
+
+TEST(ListenAddressTest, TheHostIsThisMachineAloneUnlessGiven) {
+  EXPECT_EQ(ParseListenAddress("9464").Text(), "127.0.0.1:9464");
+  EXPECT_EQ(ParseListenAddress("0.0.0.0:80").Text(), "0.0.0.0:80");
 }
 
 TEST(CompareForResumeTest, EverythingOutsideRuntimeForbids) {

@@ -52,9 +52,12 @@ TEST(CoordinatorTest, ARunLearnsFromEachNumberOnceInOrderAndEndsWithItsAccounts)
 TEST(CoordinatorTest, WhoeverWatchesIsToldOnceASecondAndAtTheEnd) {
   FakeRun run;
   run.setup.status = {"push", "here", 42, 120};
+  std::vector<LearnerStatus> shown;
+  run.setup.on_status = [&shown](const LearnerStatus& status) { shown.push_back(status); };
   run.AddActor(1, 2).duration = milliseconds(3000);
   EXPECT_EQ(run.Run(), kExitFinished);
   const auto& statuses = run.bus.statuses;
+  EXPECT_EQ(shown, statuses);
   ASSERT_GT(statuses.size(), 5U);
   EXPECT_EQ(statuses.front().state, LearnerStatus::State::kWaitingForActors);
   EXPECT_EQ(statuses[1].state, LearnerStatus::State::kCollecting);
@@ -378,7 +381,8 @@ TEST(CoordinatorTest, ARunWithoutActorsWaitsWithoutPolling) {
   FakeRun run;
   run.bus.CallAfter(seconds(3600), [&] { run.coordinator->RequestStop(SIGINT); });
   EXPECT_EQ(run.Run(), 130);
-  EXPECT_LT(run.bus.waits, 3600 + 3600 / 5 + 20);  // a status a second, a call for actors every five
+  EXPECT_LT(run.bus.waits,
+            3600 + 3600 / 5 + 20);  // a status a second, a call for actors every five
 }
 
 TEST(CoordinatorTest, AnActorThatComesLateIsServed) {

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -10,6 +11,7 @@
 #include "common/dds/actor_filter.h"
 #include "common/dds/bus_options.h"
 #include "common/dds/convert.h"
+#include "common/dds/tcp.h"
 #include "tests/integration/dds_fixture.h"
 
 namespace metronome::dds {
@@ -195,13 +197,69 @@ TEST(BusOptionsTest, NonsenseIsNamed) {
                                  "10.0.0.7,,10.0.0.8", "10.0.0.7:port"}) {
     EXPECT_THROW(ParseNetwork(text), std::invalid_argument) << text;
   }
-  EXPECT_THROW(ParseTransport("tcp"), std::invalid_argument);
+  EXPECT_EQ(ParseTransport("tcp"), Transport::kTcp);
+  EXPECT_THROW(ParseTransport("tpc"), std::invalid_argument);
   BusOptions options;
   for (const std::string& name : {std::string(), std::string("a b"), std::string("a/b"),
                                   std::string("a*"), std::string(65, 'a')}) {
     options.run_name = name;
     EXPECT_THROW(CheckBusOptions(options), std::invalid_argument) << name;
   }
+}
+
+TEST(BusOptionsTest, DiscoveryServersHaveTheUsualPort) {
+  EXPECT_TRUE(ParseDiscoveryServers("").empty());
+  EXPECT_EQ(ParseDiscoveryServers("10.0.0.7,10.0.0.8:5000"),
+            (std::vector<Network::Peer>{{"10.0.0.7", 11811}, {"10.0.0.8", 5000}}));
+  for (const std::string text : {",", "10.0.0.7:", "10.0.0.7:0", ":11811", "10.0.0.7,,10.0.0.8"}) {
+    EXPECT_THROW(ParseDiscoveryServers(text), std::invalid_argument) << text;
+  }
+}
+
+/// What CheckBusOptions says of a combination; empty: nothing.
+std::string Objection(const std::string& transport, const std::string& network,
+                      const std::string& servers = "") {
+  BusOptions options;
+  options.run_name = "run";
+  options.transport = ParseTransport(transport);
+  options.network = ParseNetwork(network);
+  options.discovery_servers = ParseDiscoveryServers(servers);
+  try {
+    CheckBusOptions(options);
+    return "";
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
+TEST(BusOptionsTest, WaysThatGoTogetherAreTaken) {
+  for (const std::string transport : {"udp", "shm"}) {
+    EXPECT_EQ(Objection(transport, "10.0.0.7,10.0.0.8"), "");
+    EXPECT_EQ(Objection(transport, "lan", "10.0.0.7"), "");
+  }
+  EXPECT_EQ(Objection("tcp", "loopback"), "");
+  EXPECT_EQ(Objection("tcp", "10.0.0.7:5000"), "");
+}
+
+TEST(BusOptionsTest, WaysThatDoNotGoTogetherAreNamedWithTheRemedy) {
+  using testing::HasSubstr;
+  EXPECT_THAT(Objection("tcp", "lan"), HasSubstr("--network HOST[:PORT]"));
+  EXPECT_THAT(Objection("tcp", "10.0.0.7,10.0.0.8"), HasSubstr("names 2"));
+  EXPECT_THAT(Objection("tcp", "10.0.0.7", "10.0.0.8"), HasSubstr("leave one of the two out"));
+  EXPECT_THAT(Objection("udp", "loopback", "10.0.0.8"), HasSubstr("add --network lan"));
+  EXPECT_THAT(Objection("shm", "10.0.0.7", "10.0.0.8"), HasSubstr("give --network lan"));
+}
+
+TEST(BusOptionsTest, TheTcpPortIsTheNumberOfDiscoverysUnlessGiven) {
+  BusOptions options;
+  options.transport = Transport::kTcp;
+  EXPECT_EQ(TcpPort(options), 7410);
+  options.domain = 3;
+  EXPECT_EQ(TcpPort(options), 7410 + 3 * 250);
+  options.network = ParseNetwork("10.0.0.7");
+  EXPECT_EQ(TcpPort(options), 7410 + 3 * 250);
+  options.network = ParseNetwork("10.0.0.7:5000");
+  EXPECT_EQ(TcpPort(options), 5000);
 }
 
 }  // namespace

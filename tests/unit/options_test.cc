@@ -80,7 +80,8 @@ TEST_F(OptionsTest, DefaultsAreThoseOfTheConfiguration) {
   EXPECT_EQ(options.folder, (fs::path(runs_) / "demo").string());
   EXPECT_FALSE(options.resume);
   EXPECT_EQ(options.progress, ProgressStyle::kLines);
-  EXPECT_EQ(options.log_level, "info");
+  EXPECT_EQ(options.log.level, "info");
+  EXPECT_EQ(options.log.format, "text");
   RunConfig expected;
   expected.mutable_environment()->set_task("push");
   EXPECT_EQ(options.config.SerializeAsString(), Resolve(expected).SerializeAsString());
@@ -111,6 +112,8 @@ TEST_F(OptionsTest, EveryOptionReachesItsField) {
                                 "3",
                                 "--checkpoint-every",
                                 "7",
+                                "--metrics",
+                                "0.0.0.0:9464",
                                 "--progress",
                                 "json",
                                 "--log-level",
@@ -132,6 +135,7 @@ TEST_F(OptionsTest, EveryOptionReachesItsField) {
   EXPECT_EQ(config.runtime().network(), "lan");
   EXPECT_EQ(config.runtime().learner_threads(), 3);
   EXPECT_EQ(config.runtime().checkpoint_every(), 7);
+  EXPECT_EQ(config.runtime().metrics(), "0.0.0.0:9464");
   EXPECT_EQ(config.ppo().clip(), 0.1);
   EXPECT_EQ(config.policy().hidden_size(), 2);
 }
@@ -161,6 +165,7 @@ TEST_F(OptionsTest, UnknownNamesGetTheNearMissAndTheList) {
   ExpectUsageError(ParseRun({"--progress", "jason"}), "did you mean \"json\"?");
   ExpectUsageError(ParseRun({"--goal", "hiden"}), "did you mean \"hidden\"?");
   ExpectUsageError(ParseRun({"--log-level", "inof"}), "did you mean \"info\"?");
+  ExpectUsageError(ParseRun({"--log-format", "jsno"}), "did you mean \"json\"?");
 }
 
 TEST_F(OptionsTest, CommandLinesThatMakeNoSenseAreNamed) {
@@ -192,30 +197,13 @@ TEST_F(OptionsTest, HelpNamesEveryOptionWithItsDefaultAndExitsZero) {
   const auto parsed = Parse({"run", "--help"});
   ASSERT_TRUE(std::holds_alternative<int>(parsed));
   EXPECT_EQ(std::get<int>(parsed), 0);
-  for (const std::string text : {"--run",
-                                 "--runs-dir",
-                                 "--resume",
-                                 "--new-total",
-                                 "--progress",
-                                 "--log-level",
-                                 "--task",
-                                 "--method",
-                                 "--heads",
-                                 "--steps",
-                                 "[default: 2000000]",
-                                 "--seed",
-                                 "--horizon",
-                                 "--placements",
-                                 "--goal",
-                                 "--domain",
-                                 "--transport",
-                                 "--network",
-                                 "[default: loopback]",
-                                 "--threads",
-                                 "--checkpoint-every",
-                                 "--config",
-                                 "--set",
-                                 "bin-picking"}) {
+  for (const std::string text :
+       {"--run",       "--runs-dir",         "--resume",    "--new-total",    "--progress",
+        "--log-level", "--log-format",       "--task",      "--method",       "--heads",
+        "--steps",     "[default: 2000000]", "--seed",      "--horizon",      "--placements",
+        "--goal",      "--domain",           "--transport", "--network",      "[default: loopback]",
+        "--threads",   "--checkpoint-every", "--metrics",   "[default: off]", "--config",
+        "--set",       "bin-picking"}) {
     EXPECT_NE(out_.find(text), std::string::npos) << text;
   }
 }
@@ -246,8 +234,8 @@ TEST_F(OptionsTest, ResumingWithAnotherConfigurationIsRefusedByName) {
   MakeRun(Run({}).config);
   ExpectUsageError(ParseRun({"--resume", "--heads", "5"}),
                    "policy.heads: the run has 10, asked for 5");
-  ExpectUsageError(ParseRun({"--resume", "--steps", "2000000"}), "--new-total allows it");
-  EXPECT_EQ(Run({"--resume", "--steps", "2000000", "--new-total"}).config.total_steps(), 2000000u);
+  ExpectUsageError(ParseRun({"--resume", "--steps", "3000000"}), "--new-total allows it");
+  EXPECT_EQ(Run({"--resume", "--steps", "3000000", "--new-total"}).config.total_steps(), 3000000u);
   SetTask("assembly");
   ExpectUsageError(ParseRun({"--resume"}),
                    "environment.task: the run has push, asked for assembly");

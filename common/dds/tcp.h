@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
+
+#include "common/dds/bus_options.h"
+
+/// TCP as Metronome uses it: the learner listens on one port, all others connect to it and listen
+/// nowhere, so that they may sit behind firewalls and address translation.
+namespace metronome::dds {
+
+/// The port that the learner listens on: of --network HOST:PORT, else 7410 + 250 * domain, the
+/// number that discovery has on UDP.
+std::uint16_t TcpPort(const BusOptions& options);
+
+/// Transport, addresses and whom to look for. Looks up the route to the learner (no packet is
+/// sent).
+void AddTcp(const BusOptions& options, bool is_learner,
+            eprosima::fastdds::dds::DomainParticipantQos* qos);
+
+/// To be called once the learner's participant is made. Fast DDS writes to sockets in blocking
+/// calls; a peer whose machine is gone, or that is stopped, would hold the learner up for as long
+/// as the system goes on trying (a quarter of an hour). So connections end after a lease's time
+/// without an answer.
+/// @throws std::runtime_error if this process does not listen on `port`: Fast DDS only logs that.
+void EndSilentConnections(std::uint16_t port);
+
+}  // namespace metronome::dds

@@ -1,0 +1,20 @@
+"""The identities of a secured run's processes on this machine."""
+
+import sys
+
+import children
+from options import ROOT
+
+
+def make_missing(options):
+    """Makes those of our learner and actors that are not there or have expired. Ends this process
+    with the exit code of deploy/security if that fails."""
+    folder = options.security
+    if (folder / "learner").exists() and not (folder / "authority").exists():
+        return  # copied here without what could make more; the processes name what they lack
+    command = [ROOT / "deploy" / "security", folder, "--run", options.run]
+    command += ["--actors", options.actors]
+    command += [] if options.domain is None else ["--domain", options.domain]
+    code = children.run_in_foreground([str(word) for word in command])
+    if code != 0:
+        sys.exit(code)
