@@ -103,8 +103,7 @@ def test_what_an_order_costs_others_makes_many_small_processes_slower(growth, co
     assert many.steps_per_second < few.steps_per_second and many.limit == "receiver"
 
 
-def test_the_bits_of_the_update_stay_those_of_whole_shards(growth, costs):
-    """More machines than there are tasks do not help; machines exchange even then."""
+def test_machines_beyond_the_number_of_shards_make_no_update_faster(growth, costs):
     plan = growth.model.Plan(cores=1, episodes=16, minibatches=8, threads=16, exchange=0, gigabits=1e9)
     one, eight = (
         growth.model.minibatch_seconds(dataclasses.replace(plan, learners=machines), costs) for machines in (1, 8)
