@@ -1,7 +1,6 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -10,7 +9,6 @@
 #include <iostream>
 #include <memory>
 #include <mutex>
-#include <random>
 
 #include "actor/actor_client.h"
 #include "actor/metaworld/assets.h"
@@ -19,22 +17,13 @@
 #include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
 #include "common/logging.h"
+#include "common/process_identity.h"
 #include "common/signal_watch.h"
 
 namespace metronome {
 namespace {
 
 enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2, kNoLearner = 3, kSignalBase = 128 };
-
-std::uint64_t RandomId() {
-  std::random_device device;
-  return (std::uint64_t{device()} << 32) | device();
-}
-
-std::string HostName() {
-  std::array<char, 256> name{};
-  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
-}
 
 ActorClientOptions ClientOptions(const RunOptions& options) {
   ActorClientOptions client;

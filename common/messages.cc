@@ -2,6 +2,8 @@
 
 namespace metronome {
 
+std::string HostOfName(const std::string& name) { return name.substr(0, name.rfind(':')); }
+
 std::string StateText(LearnerStatus::State state) {
   switch (state) {
     case LearnerStatus::State::kWaitingForActors:

@@ -136,6 +136,9 @@ struct LearnerStatus {
   bool operator==(const LearnerStatus&) const = default;
 };
 
+/// Of an actor's name "host:process".
+std::string HostOfName(const std::string& name);
+
 /// "collecting" and the like, for people.
 std::string StateText(LearnerStatus::State state);
 

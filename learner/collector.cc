@@ -127,7 +127,7 @@ void Collector::Judge(Episode episode, std::uint64_t actor_id, TimePoint now) {
   const std::uint64_t number = episode.number;
   const PolicySnapshot& snapshot = snapshots_.at(ledger_.BehaviourVersion(number));
   const std::optional<std::string> reason = learning_.Check(episode, snapshot);
-  if (!reason && (audit_.IsChosen(number) || audit_.IsPending(number))) {
+  if (!reason && audit_.IsChosen(number)) {
     Hear(std::move(episode), actor_id, now);
     return;
   }

@@ -4,6 +4,8 @@
 
 #include <stdexcept>
 
+#include "learner/rates.h"
+
 namespace metronome {
 namespace {
 
@@ -38,7 +40,7 @@ void AddHeads(const std::string& name, const std::vector<double>& values, std::s
 }
 
 void AddWall(const UpdateReport& report, const WallReport& wall, std::vector<Metric>& metrics) {
-  const double fps = wall.seconds > 0 ? static_cast<double>(report.steps) / wall.seconds : 0;
+  const double fps = StepsPerSecond(report.steps, wall.seconds);
   metrics.push_back({"fps", "wall/fps", fps});
   metrics.push_back({"wall_seconds", "wall/seconds", wall.seconds});
   metrics.push_back({"wall_collect_seconds", "wall/collect_seconds", wall.collect_seconds});

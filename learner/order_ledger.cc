@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/messages.h"
 #include "learner/doubling.h"
 
 namespace metronome {
@@ -17,8 +18,6 @@ template <class Value>
 bool Contains(const std::vector<Value>& values, const Value& value) {
   return std::find(values.begin(), values.end(), value) != values.end();
 }
-
-std::string HostPart(const std::string& name) { return name.substr(0, name.rfind(':')); }
 
 }  // namespace
 
@@ -50,7 +49,7 @@ void OrderLedger::Join(std::uint64_t actor_id, const std::string& name, std::uin
   CountIdle(now);
   Actor& actor = actors_[actor_id];
   actor.name = name;
-  host_of_[actor_id] = HostPart(name);
+  host_of_[actor_id] = HostOfName(name);
   actor.slots = std::max<std::uint32_t>(slots, 1);
   actor.trusted_from = trusted_from;
 }

@@ -2,9 +2,10 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
+
+#include "learner/rates.h"
 
 namespace metronome {
 namespace {
@@ -46,9 +47,8 @@ void ProgressPrinter::Started(std::uint64_t version, std::uint64_t steps) {
 }
 
 void ProgressPrinter::Updated(const UpdateReport& report, const WallReport& wall) {
-  const double fps = wall.seconds > 0 ? static_cast<double>(report.steps) / wall.seconds : 0;
-  const std::uint64_t left = facts_.total_steps - std::min(report.steps, facts_.total_steps);
-  const double eta = fps > 0 ? static_cast<double>(left) / fps : 0;
+  const double fps = StepsPerSecond(report.steps, wall.seconds);
+  const double eta = SecondsLeft(report.steps, facts_.total_steps, fps);
   if (style_ == ProgressStyle::kLines) {
     Say(
         fmt::format("update {:>4}/{}  {:>8}/{} steps  return {:8.1f}  success {:.2f}  "

@@ -115,9 +115,7 @@ MetricFamily Family(const char* name, prometheus::MetricType type, const char* h
 }
 
 Labels LabelsOf(const LearnerStatus& status, const ActorReport& actor) {
-  return {{"run", status.run_name},
-          {"actor", actor.name},
-          {"host", actor.name.substr(0, actor.name.rfind(':'))}};
+  return {{"run", status.run_name}, {"actor", actor.name}, {"host", HostOfName(actor.name)}};
 }
 
 /// 1 for the state that it is in, 0 for the others.

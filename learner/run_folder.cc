@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "common/files.h"
+#include "common/process_identity.h"
 
 namespace metronome {
 namespace {
@@ -23,11 +24,7 @@ namespace {
 }
 
 // Who holds the lock, for the message alone: the lock itself never depends on it.
-std::string HolderText() {
-  std::array<char, 256> host{};
-  if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '?';
-  return "process " + std::to_string(getpid()) + " on " + host.data();
-}
+std::string HolderText() { return "process " + std::to_string(getpid()) + " on " + HostName(); }
 
 }  // namespace
 

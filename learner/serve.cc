@@ -4,12 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <csignal>
 #include <exception>
 #include <iostream>
 #include <mutex>
-#include <random>
 #include <stdexcept>
 #include <thread>
 
@@ -20,6 +18,7 @@
 #include "common/dds/dds_bus.h"
 #include "common/dds/security.h"
 #include "common/logging.h"
+#include "common/process_identity.h"
 #include "common/signal_watch.h"
 #include "learner/background.h"
 #include "learner/coordinator.h"
@@ -57,17 +56,6 @@ class StopTarget {
   Coordinator* coordinator_ = nullptr;
   int signal_ = 0;
 };
-
-std::uint64_t RandomId() {
-  std::random_device device;
-  return (std::uint64_t{device()} << 32) | device();
-}
-
-std::string HostName() {
-  std::array<char, 256> host{};
-  if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '?';
-  return host.data();
-}
 
 std::string HostAndProcess() {
   return "on " + HostName() + ", process " + std::to_string(getpid());

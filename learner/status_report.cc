@@ -1,8 +1,9 @@
 #include "learner/status_report.h"
 
-#include <algorithm>
 #include <chrono>
 #include <utility>
+
+#include "learner/rates.h"
 
 namespace metronome {
 
@@ -43,9 +44,8 @@ void StatusReport::Updated(const UpdateReport& report, const WallReport& wall) {
 // As progress.csv counts them: over all starts of the run.
 void StatusReport::SetRates(TimePoint now) {
   status_.seconds = seconds_before_ + std::chrono::duration<double>(now - begun_).count();
-  status_.fps = status_.seconds > 0 ? static_cast<double>(status_.steps) / status_.seconds : 0;
-  const std::uint64_t left = status_.total_steps - std::min(status_.steps, status_.total_steps);
-  status_.eta_seconds = status_.fps > 0 ? static_cast<double>(left) / status_.fps : 0;
+  status_.fps = StepsPerSecond(status_.steps, status_.seconds);
+  status_.eta_seconds = SecondsLeft(status_.steps, status_.total_steps, status_.fps);
 }
 
 LearnerStatus StatusReport::Make(LearnerStatus::State state, const Collector& collector,

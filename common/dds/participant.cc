@@ -24,10 +24,6 @@
 namespace metronome::dds {
 namespace {
 
-const eprosima::fastrtps::Duration_t kLivelinessLease{kLeaseMilliseconds / 1000,
-                                                      kLeaseMilliseconds % 1000 * 1'000'000};
-const eprosima::fastrtps::Duration_t kLivelinessPeriod{0, 500'000'000};
-
 template <class Pointer>
 Pointer Made(Pointer entity, const std::string& what) {
   if (entity == nullptr) throw std::runtime_error("Fast DDS did not make the " + what);
@@ -190,8 +186,8 @@ fdds::DataWriter* Participant::MakeWriter(fdds::Topic* topic, const TopicProfile
     // Peers that a server introduced do not announce themselves to each other; this makes them
     // speak often enough for their leases.
     qos.liveliness().kind = fdds::AUTOMATIC_LIVELINESS_QOS;
-    qos.liveliness().lease_duration = kLivelinessLease;
-    qos.liveliness().announcement_period = kLivelinessPeriod;
+    qos.liveliness().lease_duration = kLease;
+    qos.liveliness().announcement_period = kAnnouncement;
   }
   return Made(publisher_->create_datawriter(topic, qos, listener),
               std::string("writer of ") + profile.name);

@@ -17,10 +17,8 @@ namespace fdds = eprosima::fastdds::dds;
 namespace fdds_rtps = eprosima::fastdds::rtps;
 namespace rtps = eprosima::fastrtps::rtps;
 
-constexpr const char* kLoopbackAddress = "127.0.0.1";
 constexpr const char* kDiscoveryGroup = "239.255.0.1";  // DDSI-RTPS 2.2, 9.6.1.4.1
-constexpr std::uint32_t kSocketBufferBytes = 4 << 20;
-constexpr std::uint32_t kSegmentBytes = 16 << 20;  // a history of episodes and then some
+constexpr std::uint32_t kSegmentBytes = 16 << 20;       // a history of episodes and then some
 // On a network a datagram is one packet (Ethernet's 1500 bytes, less what tunnels take). Of the 64
 // KB of loopback IP makes 45 fragments, and each that is lost costs them all: at 5 % loss one
 // datagram of ten arrives, at 20 % none ever does.
@@ -32,11 +30,6 @@ constexpr std::uint32_t kSecureDatagramBytes = 7392;
 constexpr std::uint32_t kParticipantsPerPeer = 16;
 // Actors take the ports behind those: what is sent to the well-known ones finds learners alone.
 constexpr std::uint32_t kFirstActor = kParticipantsPerPeer;
-
-// A killed peer is noticed after the lease; announcements leave room for starved threads.
-const eprosima::fastrtps::Duration_t kLease{kLeaseMilliseconds / 1000,
-                                            kLeaseMilliseconds % 1000 * 1'000'000};
-const eprosima::fastrtps::Duration_t kAnnouncement{0, 500'000'000};
 
 rtps::Locator_t UdpLocator(const std::string& address, std::uint32_t port) {
   rtps::Locator_t locator;

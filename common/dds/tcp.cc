@@ -26,10 +26,8 @@ namespace fdds = eprosima::fastdds::dds;
 namespace fdds_rtps = eprosima::fastdds::rtps;
 namespace rtps = eprosima::fastrtps::rtps;
 
-constexpr const char* kLoopbackAddress = "127.0.0.1";
 constexpr const char* kAnyAddress = "0.0.0.0";
 constexpr const char* kNoAddress = "0.0.0.1";
-constexpr std::uint32_t kSocketBufferBytes = 4 << 20;
 
 std::string LearnerAddress(const Network& network) {
   return network.scope == Network::Scope::kPeers ? network.peers.front().address : kLoopbackAddress;

@@ -17,6 +17,7 @@
 #include "common/build_info.h"
 #include "common/dds/dds_bus.h"
 #include "common/logging.h"
+#include "common/process_identity.h"
 #include "tests/chaos/spoil.h"
 #include "tests/integration/raw_writer.h"
 
@@ -97,11 +98,6 @@ class HostileBus final : public ActorBus {
   std::unique_ptr<test::RawWriter> raw_;  // of the kinds that are no episodes
   std::optional<Spoiler> spoiler_;        // of the others
 };
-
-std::uint64_t RandomId() {
-  std::random_device device;
-  return (std::uint64_t{device()} << 32) | device();
-}
 
 int Run(const BusOptions& options, const std::string& kind) {
   SetUpLogging("hostile-actor", {});

@@ -10,7 +10,7 @@ import time
 import pytest
 
 import children
-from harness import BUILD, DEADLINE, EPISODES, HORIZON, ROOT, SMALL, STEPS
+from harness import BUILD, DEADLINE, EPISODES, HORIZON, ROOT, SMALL, small
 
 PROGRAMS = ("slurmctld", "slurmd", "munged", "sbatch", "srun", "scontrol")
 missing = [name for name in PROGRAMS if not shutil.which(name, path="/usr/sbin:/usr/bin")]
@@ -152,7 +152,7 @@ def test_a_job_on_two_nodes_gives_the_weights_of_a_run_without_slurm(stage, clus
 
 
 def test_a_job_whose_time_is_nearly_up_is_requeued_and_goes_on(stage, cluster):
-    longer = [str(100 * EPISODES * HORIZON) if word == str(STEPS) else word for word in SMALL]
+    longer = small(100 * EPISODES * HORIZON)
     job = cluster.submit(stage.runs, "job", *longer)
     latest = stage.latest("job")
     wait_until(lambda: latest.exists() and latest.resolve().name > "000000.ckpt", cluster.words)

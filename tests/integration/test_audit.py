@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from harness import ACTOR, BUILD, EPISODES, UPDATES
+from harness import BUILD, EPISODES, UPDATES
 
 HOSTILE = BUILD / "bin" / "hostile-actor"
 REFUSED = 1
@@ -17,10 +17,19 @@ def expected(module_stage):
     return module_stage.train("calm")
 
 
+class Named:
+    """This machine, called otherwise: a `host` to Stage."""
+
+    def __init__(self, name):
+        self._name = name
+
+    def process(self, *command):
+        change = ("unshare", "--uts", "sh", "-c", 'hostname "$1"; shift; exec "$@"', "sh")
+        return (*change, self._name, *command)
+
+
 def actor_on(stage, host):
-    """An actor whose machine is called `host`."""
-    named = ("unshare", "--uts", "sh", "-c", 'hostname "$1"; shift; exec "$@"', "sh", host)
-    return stage.start(*named, ACTOR, "run", "--run", "run", "--domain", stage.domain)
+    return stage.actor("run", host=Named(host))
 
 
 def liar(stage):

@@ -6,8 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from harness import ACTOR, LEARNER, SMALL
-
 LIBRARY = next(Path("/usr/lib").glob("*/faketime/libfaketimeMT.so.1"), None)
 JUMPS = ["+400d", "-400d", "+5s"]
 
@@ -15,17 +13,19 @@ pytestmark = pytest.mark.skipif(LIBRARY is None, reason="needs Debian's package 
 
 
 class Clock:
-    """The time of day of processes that are started by its words; others keep theirs."""
+    """The time of day of processes that are started through it; others keep theirs."""
 
     def __init__(self, path):
         self._path = path
         self.jump("+0")
 
-    def words(self):
+    def process(self, *command):
+        """@return the command line that runs it by this clock: a `host` to Stage."""
         return (
             *("env", f"LD_PRELOAD={LIBRARY}", f"FAKETIME_TIMESTAMP_FILE={self._path}"),
             # No system's monotonic clock jumps.
             *("FAKETIME_NO_CACHE=1", "FAKETIME_DONT_FAKE_MONOTONIC=1"),
+            *command,
         )
 
     def jump(self, offset):
@@ -45,7 +45,7 @@ def test_the_time_of_day_does_jump(tmp_path):
     years = []
     for offset in ("+0", "-800d"):
         clock.jump(offset)
-        shown = subprocess.run([*clock.words(), "date", "+%Y"], check=True, capture_output=True)
+        shown = subprocess.run(clock.process("date", "+%Y"), check=True, capture_output=True)
         years.append(int(shown.stdout))
     assert years[0] - years[1] in (2, 3)
 
@@ -53,13 +53,9 @@ def test_the_time_of_day_does_jump(tmp_path):
 @pytest.mark.parametrize("whose", ["learner", "actor"])
 def test_a_clock_that_jumps_changes_nothing_and_delays_nothing(stage, tmp_path, expected, whose):
     clock = Clock(tmp_path / "clock")
-    command = {
-        "learner": (LEARNER, "run", "--run", "run", "--domain", stage.domain, "--runs", stage.runs)
-        + ("--progress", "json", *SMALL),
-        "actor": (ACTOR, "run", "--run", "run", "--domain", stage.domain),
-    }
-    command[whose] = (*clock.words(), *command[whose])
-    learner, actor = stage.start(*command["learner"]), stage.start(*command["actor"])
+    hosts = {whose: clock}
+    learner = stage.learner("run", host=hosts.get("learner"))
+    actor = stage.actor("run", host=hosts.get("actor"))
     jumping = {"learner": learner, "actor": actor}[whose]
     learner.expect_update(1)
     assert LIBRARY.name in Path(f"/proc/{jumping.child.pid}/maps").read_text()

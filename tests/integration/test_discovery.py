@@ -3,12 +3,12 @@
 import pytest
 
 import namespaces
-from harness import ACTOR, LEARNER, SMALL, STEPS
+from harness import ACTOR, LEARNER, SMALL, small
 
 pytestmark = pytest.mark.skipif(
     namespaces.unavailable() is not None, reason=str(namespaces.unavailable())
 )
-ENDLESS = tuple("100000000" if word == str(STEPS) else word for word in SMALL)
+ENDLESS = small(100_000_000)
 
 
 @pytest.fixture

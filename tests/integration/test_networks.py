@@ -7,7 +7,7 @@ import signal
 import pytest
 
 import namespaces
-from harness import EPISODES, HORIZON, SMALL, STEPS, parse_json
+from harness import EPISODES, HORIZON, parse_json, small
 
 pytestmark = pytest.mark.skipif(
     namespaces.unavailable() is not None, reason=str(namespaces.unavailable())
@@ -17,8 +17,7 @@ LEASE = 10.0  # seconds: 2.5, and what a machine that is full takes to tell
 
 
 def of_updates(updates):
-    steps = str(EPISODES * HORIZON * updates)
-    return tuple(steps if word == str(STEPS) else word for word in SMALL)
+    return small(EPISODES * HORIZON * updates)
 
 
 ENDLESS = of_updates(1_000_000)

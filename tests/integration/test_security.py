@@ -130,10 +130,7 @@ def test_an_expired_identity_is_turned_away_though_its_owner_sets_back_the_clock
     clock.jump("-18h")
     learner = stage.learner("run", *secured(identities / "learner"))
     learner.expect_event("started")
-    cheat = stage.start(
-        *clock.words(), ACTOR, "run", "--run", "run", "--domain", stage.domain, "--wait", 2,
-        *secured(identities / "late")
-    )
+    cheat = stage.actor("run", "--wait", 2, *secured(identities / "late"), host=clock)
     learner.expect_text(TURNED_AWAY)
     assert cheat.wait() == NO_LEARNER, cheat
     actor = stage.actor("run", *secured(identities / "actor-0"))

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+/// What tells one process from the others of a run. Thread-safe.
+namespace metronome {
+
+/// 64 bits from the system, anew with each call: of ids, and of keys that nobody else may know.
+std::uint64_t RandomId();
+
+/// What this machine calls itself.
+std::string HostName();
+
+}  // namespace metronome
