@@ -82,7 +82,10 @@ def test_cyclone_dds_sees_every_episode_once_and_every_float_and_the_run_does_no
     reader = tap("tapped")
     actor = stage.actor("tapped")  # before the learner, so that it plays nothing unseen
     expect_peers(reader, "episode")
-    learner = stage.learner("tapped")
+    # A run of a second may be over before the reader knows of it. With an audit and one actor the learner
+    # waits five seconds for another one.
+    learner = stage.learner("tapped", "--audit", 1)
+    expect_peers(reader, "policy_snapshot", "learner_status")
     weights = stage.finish("tapped", learner, [actor])
 
     status = expect_state(reader, FINISHED)
