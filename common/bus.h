@@ -73,8 +73,8 @@ class ActorBus {
   enum class SendResult { kSent, kNoLearner, kClosed };
   virtual ~ActorBus() = default;
   /// Publishes a finished episode. Blocks while the reliable history is full.
-  /// @return kNoLearner if no learner is matched (the episode is dropped: it will be ordered
-  ///         again), kClosed once Close() ran.
+  /// @return kNoLearner if no learner was heard that reads episodes (the episode is dropped: it
+  ///         will be ordered again), kClosed once Close() ran.
   [[nodiscard]] virtual SendResult Send(EpisodeMessage message) = 0;
   virtual void Send(const ActorStatus& status) = 0;
   virtual std::optional<ActorEvent> Wait(Clock::time_point deadline) = 0;

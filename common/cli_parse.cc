@@ -77,6 +77,7 @@ int UsageError(const std::string& program, const std::string& message) {
 std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* argv) {
   // Unknown names are collected, to be explained here rather than by CLI11.
   app.allow_extras();
+  app.require_subcommand(0, 1);  // a second command's name is an argument of the first
   for (CLI::App* command : app.get_subcommands({})) command->allow_extras();
   try {
     app.parse(argc, argv);
@@ -88,10 +89,6 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* 
   const auto given = app.get_subcommands();
   const CLI::App* command = given.empty() ? nullptr : given.front();
   const std::string program = app.get_name() + (command ? " " + command->get_name() : "");
-  if (given.size() > 1) {
-    return UsageError(app.get_name(), "one command at a time: " + given[0]->get_name() + " or " +
-                                          given[1]->get_name());
-  }
   if (const auto complaint = Complaint(app, command)) return UsageError(program, *complaint);
   return std::nullopt;
 }

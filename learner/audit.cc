@@ -51,6 +51,7 @@ const Audit::Opinion* Shared(const Opinions& opinions) {
 }  // namespace
 
 bool Audit::IsChosen(std::uint64_t number) const {
+  if (doubted_.contains(number)) return true;
   return on() &&
          RandomStream(RandomPurpose::kAudit, rules_.key, number, 0).Uniform() < rules_.share;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,8 @@ class Audit {
   [[nodiscard]] bool on() const { return rules_.share > 0; }
   /// The episode is to be played twice.
   [[nodiscard]] bool IsChosen(std::uint64_t number) const;
+  /// It is, whatever the key says: there is reason to doubt it.
+  void Choose(std::uint64_t number) { doubted_.insert(number); }
 
   /// Settled when two actors agree and nobody differs, or when two hosts agree. A settled number,
   /// and the answers of guilty hosts, are forgotten.
@@ -66,6 +69,7 @@ class Audit {
   using Opinions = std::vector<Opinion>;
 
   AuditRules rules_;
+  std::set<std::uint64_t> doubted_;
   std::map<std::uint64_t, Opinions> pending_;  // by number; never empty
   Counts counts_;
 };

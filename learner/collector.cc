@@ -16,7 +16,7 @@ constexpr std::chrono::seconds kAuditPatience{5};  // with who is to play an epi
 }  // namespace
 
 Collector::Collector(LearnerBus& bus, const Learning& learning, const RunDescription& description,
-                     const OrderRules& rules, const std::string& digest)
+                     const OrderRules& rules, const std::string& digest, ExcludedHosts excluded)
     : bus_(bus),
       learning_(learning),
       incarnation_(description.incarnation),
@@ -24,7 +24,8 @@ Collector::Collector(LearnerBus& bus, const Learning& learning, const RunDescrip
       admission_(description, digest),
       ledger_(rules),
       audit_(rules.audit),
-      batches_(rules.episodes_per_update, rules.updates_total, rules.first_version) {}
+      batches_(rules.episodes_per_update, rules.updates_total, rules.first_version),
+      excluded_(std::move(excluded)) {}
 
 void Collector::OnStatus(const ActorStatus& status, TimePoint now) {
   if (const auto refusal = refusals_.find(status.actor_id); refusal != refusals_.end()) {
@@ -208,10 +209,17 @@ void Collector::OnDuplicate(const Episode& episode, std::uint64_t actor_id, Time
   const bool differs = kept != nullptr && !SameBits(*kept, episode);
   ledger_.ArriveAgain(episode.number, actor_id, differs, now);
   if (!differs) return;
-  Complain("episode " + std::to_string(episode.number) +
-               " came twice and the two differ: the one "
-               "of " +
-               NameOf(actor_id) + " is dropped, but one of the two machines computes wrongly",
+  // Once: whoever sends a third answer, and a fourth, cannot hold the run up.
+  const bool doubted = audit_.on() && !audit_.IsChosen(episode.number);
+  const bool again = doubted && batches_.Withdraw(episode.number);
+  if (again) {
+    audit_.Choose(episode.number);
+    ledger_.Reopen(episode.number);
+  }
+  Complain("episode " + std::to_string(episode.number) + " came twice, the second time from " +
+               NameOf(actor_id) +
+               ", and the two differ: one of the two machines computes wrongly; " +
+               (again ? "two hosts play it again" : "the second one is dropped"),
            now);
 }
 

@@ -12,6 +12,7 @@
 #include "learner/admission.h"
 #include "learner/audit.h"
 #include "learner/batch_store.h"
+#include "learner/excluded_hosts.h"
 #include "learner/flap_watch.h"
 #include "learner/learning.h"
 #include "learner/log_limit.h"
@@ -27,8 +28,9 @@ class Collector {
 
   /// @param description  what the learner publishes.
   /// @param digest       the checkpoint's canonical digest, empty at first.
+  /// @param excluded     by earlier starts of the learner.
   Collector(LearnerBus& bus, const Learning& learning, const RunDescription& description,
-            const OrderRules& rules, const std::string& digest);
+            const OrderRules& rules, const std::string& digest, ExcludedHosts excluded);
 
   void OnStatus(const ActorStatus& status, TimePoint now);
   void OnLost(std::uint64_t actor_id, TimePoint now);
@@ -58,6 +60,7 @@ class Collector {
   }
   /// The actors that are there, for people who watch.
   [[nodiscard]] std::vector<ActorReport> ReportActors(TimePoint now) const;
+  [[nodiscard]] const ExcludedHosts& excluded() const { return excluded_; }
   /// What the audit found, for people; empty if nothing is audited.
   [[nodiscard]] std::string AuditText() const;
   [[nodiscard]] BatchStore::Accounting Account() const { return batches_.Account(); }
@@ -98,7 +101,7 @@ class Collector {
   std::map<std::uint64_t, std::string> names_;         // of the actors that were admitted
   std::map<std::uint64_t, LastWords> last_words_;      // of the same
   std::map<std::uint64_t, std::string> refusals_;      // actor -> reason
-  std::map<std::string, std::string> excluded_;        // host -> reason
+  ExcludedHosts excluded_;
   LogLimit complaints_;
   std::uint64_t stale_ = 0;
   std::optional<TimePoint> lonely_since_;  // nobody is there to play audited episodes again

@@ -32,9 +32,10 @@ Coordinator::Coordinator(CoordinatorSetup setup, LearnerBus& bus, Learning& lear
       background_(background),
       now_(std::move(now)),
       rivals_(setup_.description.learner_id, setup_.rivals, now_()),
-      collector_(bus, learning, setup_.description, setup_.rules,
-                 learning.state().canonical_digest),
+      collector_(bus, learning, setup_.description, setup_.rules, learning.state().canonical_digest,
+                 setup_.excluded),
       status_(setup_.status, setup_.description, setup_.rules),
+      exclusions_kept_(setup_.excluded.size()),
       version_(learning.state().version) {
   if (!setup_.resumed) return;
   saved_version_ = version_;
@@ -133,6 +134,7 @@ void Coordinator::ServeOnce() {
     if (due) deadline = std::min(deadline, *due);
   }
   if (auto event = bus_.Wait(deadline)) Handle(std::move(*event), now_());
+  KeepExclusions();
   FinishUpdateIfDone();
   StartUpdateIfReady();
 }
@@ -156,6 +158,20 @@ void Coordinator::Handle(LearnerEvent event, TimePoint now) {
         }
       },
       event);
+}
+
+void Coordinator::KeepExclusions() {
+  const ExcludedHosts& excluded = collector_.excluded();
+  if (excluded.size() == exclusions_kept_) return;
+  exclusions_kept_ = excluded.size();
+  try {
+    record_.Excluded(excluded);
+  } catch (const std::exception& failure) {
+    spdlog::error(
+        "that a host is excluded was not written: {}; if the learner starts again, it is "
+        "let in again",
+        failure.what());
+  }
 }
 
 void Coordinator::OnRival(const RivalSeen& rival, TimePoint now) {

@@ -24,6 +24,7 @@ namespace metronome {
 struct CoordinatorSetup {
   RunDescription description;  // serving and finished are the coordinator's to set
   OrderRules rules;
+  ExcludedHosts excluded;  // by earlier starts
   StatusFacts status;
   std::function<void(const LearnerStatus&)> on_status;  // called with each that is published
   double seconds_before = 0;           // wall-clock: that the run took before this start
@@ -75,6 +76,7 @@ class Coordinator {
   void Serve();
   void ServeOnce();
   void Handle(LearnerEvent event, TimePoint now);
+  void KeepExclusions();
   void OnRival(const RivalSeen& rival, TimePoint now);
   void CallForActors(TimePoint now);
   void PublishStatus(LearnerStatus::State state);
@@ -104,6 +106,7 @@ class Coordinator {
   RivalWatch rivals_;
   Collector collector_;
   StatusReport status_;
+  std::size_t exclusions_kept_;
   std::uint64_t version_;  // updates made and published
   std::optional<std::uint64_t> saved_version_;
   TimePoint serving_since_;

@@ -43,6 +43,10 @@ void FileRunRecord::Started(const TrainState& state) {
   printer_.Started(state.version, state.steps);
 }
 
+void FileRunRecord::Excluded(const ExcludedHosts& hosts) {
+  SaveExcludedHosts(hosts, ExcludedHostsPathOf(folder_));
+}
+
 void FileRunRecord::Updated(const UpdateReport& report, const WallReport& wall) {
   checkpoint_.logs.wall_seconds = wall.seconds;
   const std::vector<Metric> metrics = MetricsOf(report, wall);

@@ -25,6 +25,7 @@ class FileRunRecord final : public RunRecord {
   std::string Save(const TrainState& state) override;
   [[nodiscard]] std::string LatestCheckpoint() const override;
   void Started(const TrainState& state) override;
+  void Excluded(const ExcludedHosts& hosts) override;
   void Updated(const UpdateReport& report, const WallReport& wall) override;
   void Finished(const TrainState& state, const std::string& accounting) override;
   void Interrupted(const TrainState& state) override;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "common/train_state.h"
+#include "learner/excluded_hosts.h"
 #include "learner/metrics.h"
 #include "learner/update_report.h"
 
@@ -22,6 +23,8 @@ class RunRecord {
   [[nodiscard]] virtual std::string LatestCheckpoint() const = 0;
   /// The run is accepted: actors may come.
   virtual void Started(const TrainState& state) = 0;
+  /// An audit excluded a host: all that are excluded from here on.
+  virtual void Excluded(const ExcludedHosts& hosts) = 0;
   virtual void Updated(const UpdateReport& report, const WallReport& wall) = 0;
   virtual void Finished(const TrainState& state, const std::string& accounting) = 0;
   /// Stopped before its end by a signal.

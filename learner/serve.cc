@@ -22,6 +22,7 @@
 #include "common/signal_watch.h"
 #include "learner/background.h"
 #include "learner/coordinator.h"
+#include "learner/excluded_hosts.h"
 #include "learner/exit_codes.h"
 #include "learner/file_run_record.h"
 #include "learner/metrics_server.h"
@@ -174,6 +175,16 @@ CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
   return setup;
 }
 
+ExcludedHosts ExcludedHostsOf(const std::string& folder) {
+  const std::string path = ExcludedHostsPathOf(folder);
+  ExcludedHosts hosts = LoadExcludedHosts(path);
+  for (const auto& [host, reason] : hosts) {
+    spdlog::warn("{}; it stays excluded (to let it in, take it out of {} before the start)", reason,
+                 path);
+  }
+  return hosts;
+}
+
 RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
   RunFacts facts;
   facts.run = options.run;
@@ -209,6 +220,7 @@ int Serve(const RunOptions& options, StopTarget& target) {
   start.checkpoint.incarnation = folder.NextIncarnation(start.checkpoint.incarnation);
   start.checkpoint.build = BuildIdentity();
   CoordinatorSetup setup = SetupOf(options, start);
+  setup.excluded = ExcludedHostsOf(options.folder);
   if (metrics) {
     setup.on_status = [&metrics](const LearnerStatus& status) { metrics->Show(status); };
   }

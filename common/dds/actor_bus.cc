@@ -28,8 +28,11 @@ class Ends {
         learner_watch_(inbox),
         participant_(options, dds::kActorRole) {}
 
-  [[nodiscard]] bool HasLearner() const { return episode_watch_.HasReader(); }
-  [[nodiscard]] bool HasHeardLearner() const { return heard_learner_; }
+  /// Whether a learner was heard and reads our episodes. Others may read them too: a tool that
+  /// looks on is no learner.
+  [[nodiscard]] bool HasLearner() const {
+    return episode_watch_.IsReadByAny(learner_watch_.Processes());
+  }
 
   ActorBus::SendResult Send(EpisodeMessage message, const std::atomic<bool>& closed) {
     auto sample = episodes_.Pack(std::move(message));
@@ -65,10 +68,7 @@ class Ends {
   std::optional<ActorEvent> NextLearner() {
     const auto event = sightings_.Next();
     if (!event) return std::nullopt;
-    if (const auto* description = std::get_if<RunDescription>(&*event)) {
-      heard_learner_ = true;
-      return *description;
-    }
+    if (const auto* description = std::get_if<RunDescription>(&*event)) return *description;
     if (const auto* gone = std::get_if<dds::LearnerGone>(&*event)) {
       return LearnerLost{gone->learner_id};
     }
@@ -81,7 +81,6 @@ class Ends {
   }
 
   const std::uint64_t actor_id_;
-  bool heard_learner_ = false;
   // Before the participant: no listener may be called once it is gone.
   ReaderWatch episode_watch_;
   WriterWatch snapshot_watch_;
@@ -142,7 +141,7 @@ class DdsActorBus final : public ActorBus {
     if (inbox_.TakeWoken()) return Woken{};
     auto event = ends_->Next();
     const Clock::time_point now = Clock::now();
-    if (ends_->HasLearner() && ends_->HasHeardLearner()) {
+    if (ends_->HasLearner()) {
       renew_at_ = now + kRenewEvery;
     } else if (now >= renew_at_ || (event && std::holds_alternative<LearnerLost>(*event))) {
       Renew();

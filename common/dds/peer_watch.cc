@@ -1,5 +1,6 @@
 #include "common/dds/peer_watch.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace metronome::dds {
@@ -42,6 +43,13 @@ std::optional<ParticipantKey> WriterWatch::ProcessOf(std::uint64_t id) const {
   return std::nullopt;
 }
 
+std::vector<ParticipantKey> WriterWatch::Processes() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<ParticipantKey> processes;
+  for (const auto& [writer, peer] : peers_) processes.push_back(ParticipantOf(writer));
+  return processes;
+}
+
 void WriterWatch::on_data_available(fdds::DataReader* /*reader*/) { inbox_->Notify(); }
 
 void WriterWatch::on_subscription_matched(fdds::DataReader* /*reader*/,
@@ -79,6 +87,11 @@ bool ReaderWatch::HasReader() const {
 bool ReaderWatch::IsReadBy(const ParticipantKey& process) const {
   const std::lock_guard lock(mutex_);
   return readers_.count(process) > 0;
+}
+
+bool ReaderWatch::IsReadByAny(const std::vector<ParticipantKey>& processes) const {
+  return std::any_of(processes.begin(), processes.end(),
+                     [this](const ParticipantKey& process) { return IsReadBy(process); });
 }
 
 void ReaderWatch::on_publication_matched(fdds::DataWriter* /*writer*/,

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <vector>
 
 #include "common/dds/inbox.h"
 #include "common/dds/participant.h"
@@ -33,6 +34,8 @@ class WriterWatch final : public fdds::DataReaderListener {
   bool TakeIncompatible();
   /// The process that wrote the last sample seen of the peer, while it lives.
   std::optional<ParticipantKey> ProcessOf(std::uint64_t id) const;
+  /// Of all peers that were heard and live.
+  [[nodiscard]] std::vector<ParticipantKey> Processes() const;
 
   void on_data_available(fdds::DataReader* reader) override;
   void on_subscription_matched(fdds::DataReader* reader,
@@ -56,6 +59,7 @@ class ReaderWatch final : public fdds::DataWriterListener {
 
   [[nodiscard]] bool HasReader() const;
   [[nodiscard]] bool IsReadBy(const ParticipantKey& process) const;
+  [[nodiscard]] bool IsReadByAny(const std::vector<ParticipantKey>& processes) const;
 
   void on_publication_matched(fdds::DataWriter* writer,
                               const fdds::PublicationMatchedStatus& status) override;

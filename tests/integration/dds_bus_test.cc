@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "common/dds/endpoints.h"
+#include "common/dds/inbox.h"
 #include "common/dds/topics.h"
 #include "tests/integration/dds_fixture.h"
 
@@ -108,8 +110,9 @@ TEST_P(DdsBusTest, SlowLearnerHoldsActorsBackAndLosesNothing) {
   constexpr std::size_t kThreads = 3;
   constexpr std::size_t kBacklog = kHeld - 8;  // nearly what the two histories hold
   const BusOptions options = FreshRun(GetParam());
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto learner = ServingLearner(options);
   const auto actor = MakeDdsActorBus(options, 11);
+  ASSERT_TRUE(Next<RunDescription>(*actor));
   ASSERT_TRUE(Join(*learner, *actor, 11));
   Progress progress;
   std::vector<std::thread> senders;
@@ -167,6 +170,24 @@ TEST(DdsBusTest, EpisodeWithoutALearnerIsRefused) {
   EXPECT_EQ(actor->Send(SomeEpisode(0)), ActorBus::SendResult::kNoLearner);
   actor->Close(std::chrono::milliseconds(0));
   EXPECT_EQ(actor->Send(SomeEpisode(0)), ActorBus::SendResult::kClosed);
+}
+
+TEST(DdsBusTest, AToolThatReadsEpisodesIsNoLearner) {
+  const BusOptions options = FreshRun();
+  const auto actor = MakeDdsActorBus(options, 11);
+  dds::Inbox inbox;
+  dds::WriterWatch watch(&inbox);
+  dds::Participant tool(options, "tool");
+  const dds::Reader<wire::EpisodePubSubType> episodes(&tool, dds::kEpisodeTopic, &watch);
+  // Found after the reader before it: once the actor reaches this one, it knows both.
+  dds::Reader<wire::ActorStatusPubSubType> statuses(&tool, dds::kActorStatusTopic, &watch);
+  const auto heard = [&] { return statuses.Take(); };
+  for (const auto deadline = Soon(); Clock::now() < deadline;) {
+    actor->Send(SomeStatus(11));
+    if (inbox.Wait(Clock::now() + std::chrono::milliseconds(100), heard)) break;
+    ASSERT_LT(Clock::now(), deadline) << "the tool hears nothing";
+  }
+  EXPECT_EQ(actor->Send(SomeEpisode(0)), ActorBus::SendResult::kNoLearner);
 }
 
 TEST(DdsBusTest, ActorThatLeavesIsReportedOnce) {

@@ -56,7 +56,7 @@ class DdsFaultsTest : public testing::TestWithParam<Transport> {};
 
 TEST_P(DdsFaultsTest, KilledActorIsNoticedWithinSecondsAndItsSuccessorIsHeard) {
   const BusOptions options = FreshRun(GetParam());
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto learner = ServingLearner(options);
   for (std::uint64_t id = 1; id <= 2; ++id) {
     Peer peer(options, id);
     ASSERT_TRUE(peer.started());
@@ -74,7 +74,7 @@ TEST_P(DdsFaultsTest, KilledActorIsNoticedWithinSecondsAndItsSuccessorIsHeard) {
 
 TEST_P(DdsFaultsTest, SuccessorOfAKilledActorIsHeardAtOnce) {
   const BusOptions options = FreshRun(GetParam());
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto learner = ServingLearner(options);
   for (std::uint64_t id = 1; id <= 3; ++id) {
     Peer peer(options, id);
     std::optional<ActorStatus> status;
@@ -94,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(Transports, DdsFaultsTest,
 
 TEST_P(DdsFaultsTest, OneOfSeveralIsMissedWhenItIsKilled) {
   const BusOptions options = FreshRun(GetParam());
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto learner = ServingLearner(options);
   Peer stays(options, 1);
   Peer dies(options, 2);
   for (bool heard[3] = {true, false, false}; !heard[1] || !heard[2];) {
@@ -110,7 +110,7 @@ TEST_P(DdsFaultsTest, OneOfSeveralIsMissedWhenItIsKilled) {
 
 TEST(DdsFaultsTest, StoppedActorIsLostAndComesBack) {
   const BusOptions options = FreshRun();
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto learner = ServingLearner(options);
   Peer peer(options, 7);
   ASSERT_TRUE(peer.started());
   ASSERT_TRUE(Next<ActorStatus>(*learner));

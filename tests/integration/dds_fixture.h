@@ -4,13 +4,14 @@
 
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
 
 #include "common/bus.h"
-#include "common/dds/bus_options.h"
+#include "common/dds/dds_bus.h"
 
 /// What the tests of the DDS bus share: runs that no other test process sees, and waiting for one
 /// kind of event.
@@ -96,6 +97,13 @@ inline RunDescription SomeDescription(std::uint64_t learner_id, const std::strin
   description.config = std::string("binary \0 \xff bytes", 15);
   description.serving = true;
   return description;
+}
+
+/// A learner that actors know for one.
+inline std::unique_ptr<LearnerBus> ServingLearner(const BusOptions& options) {
+  auto learner = MakeDdsLearnerBus(options);
+  learner->Publish(SomeDescription(1, options.run_name));
+  return learner;
 }
 
 inline PolicySnapshot SomeSnapshot(std::uint64_t version, std::size_t parameters = 30000) {

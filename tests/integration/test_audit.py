@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from harness import BUILD, EPISODES, UPDATES
+from harness import BUILD, EPISODES, HORIZON, UPDATES, small
 
 HOSTILE = BUILD / "bin" / "hostile-actor"
 REFUSED = 1
@@ -56,6 +56,22 @@ def test_a_host_that_computes_wrongly_is_named_and_excluded(stage, expected):
     assert stage.finish("run", learner, honest) == expected
     assert "excluded hosts: hostile-wrong-reward" in learner.text
     assert f"{EPISODES * UPDATES} of {EPISODES * UPDATES}" in learner.text
+
+
+def test_an_excluded_host_stays_so_when_the_learner_starts_again(stage):
+    learner = stage.learner("run", "--audit", "1", small=small(1_000_000 * EPISODES * HORIZON))
+    false_one = liar(stage)
+    learner.expect_text("hostile-wrong-reward")
+    honest = [actor_on(stage, "one"), actor_on(stage, "two")]
+    assert false_one.wait() == REFUSED, false_one
+    learner.kill()
+    again = stage.learner("run", "--resume", "--audit", "1", small=small(1_000_000 * EPISODES * HORIZON))
+    again.expect_text("it stays excluded")
+    returning = liar(stage)
+    assert returning.wait() == REFUSED, returning
+    assert "hostile-wrong-reward computes wrongly" in returning.text
+    for process in (again, *honest):
+        process.kill()
 
 
 def test_without_an_audit_the_same_lie_changes_the_weights(stage, expected):

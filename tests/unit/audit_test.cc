@@ -257,6 +257,40 @@ TEST(AuditedRunTest, WhereTwoHostsDifferTheRunWaitsForAThird) {
   EXPECT_EQ(run.actors.at(1).refused, "");
 }
 
+// Two answers to one order, of which the check can tell neither, and no audit was due.
+TEST(AuditedRunTest, WhatComesTwiceAndDiffersIsPlayedAgainByTwoHosts) {
+  FakeRun run;
+  run.setup.rules.audit = {1e-9, 1};
+  for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
+  run.actors.at(2).answer = [](const EpisodeMessage& truth) {
+    std::vector<EpisodeMessage> both = Lie(truth);
+    both.push_back(truth);
+    return both;
+  };
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+  EXPECT_EQ(run.record.excluded.size(), 1U);
+  EXPECT_TRUE(run.record.excluded.contains("host2"));
+}
+
+TEST(AuditedRunTest, AnExclusionOutlivesTheLearner) {
+  FakeRun first;
+  first.setup.rules.audit = {1, 1};
+  for (const std::uint64_t id : {1, 2, 3}) first.AddActor(id);
+  first.actors.at(2).answer = Lie;
+  EXPECT_EQ(first.Run(), kExitFinished);
+  ASSERT_TRUE(first.record.excluded.contains("host2"));
+
+  FakeRun second;
+  second.setup.excluded = first.record.excluded;
+  second.AddActor(1);
+  second.AddActor(2).answer = Lie;
+  EXPECT_EQ(second.Run(), kExitFinished);
+  ExpectAllTrue(second);
+  EXPECT_NE(second.actors.at(2).refused.find("host host2 computes wrongly"), std::string::npos);
+  EXPECT_TRUE(second.record.excluded.empty()) << "written without need";
+}
+
 TEST(AuditedRunTest, AHostIsExcludedForGood) {
   FakeRun run;
   run.setup.rules.audit = {1, 1};

@@ -79,6 +79,7 @@ class FakeRecord final : public RunRecord {
   }
   [[nodiscard]] std::string LatestCheckpoint() const override { return "checkpoint"; }
   void Started(const TrainState& state) override { started_at = state.version; }
+  void Excluded(const ExcludedHosts& hosts) override { excluded = hosts; }
   void Updated(const UpdateReport& report, const WallReport& wall) override {
     walls.push_back(wall);
     updates.push_back(report.version);
@@ -92,6 +93,7 @@ class FakeRecord final : public RunRecord {
   bool begun = false;
   bool interrupted = false;
   std::optional<std::uint64_t> started_at;
+  ExcludedHosts excluded;
   std::vector<TrainState> saved;
   std::vector<std::size_t> orders_before_save;
   std::vector<std::uint64_t> updates;

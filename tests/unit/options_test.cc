@@ -175,6 +175,7 @@ TEST_F(OptionsTest, CommandLinesThatMakeNoSenseAreNamed) {
   ExpectUsageError(Parse({"run", "--run", "--task", "push"}), "--run needs a value");
   ExpectUsageError(Parse({"run", "--run", "a/b", "--task", "push"}), "run name \"a/b\"");
   ExpectUsageError(ParseRun({"surplus"}), "unexpected argument \"surplus\"");
+  ExpectUsageError(ParseRun({"status"}), "unexpected argument \"status\"");
   ExpectUsageError(ParseRun({"--seed"}), "--seed");
   ExpectUsageError(ParseRun({"--seed", "1", "--seed", "2"}), "--seed");
   ExpectUsageError(ParseRun({"--new-total"}), "--new-total is for --resume only");
@@ -321,6 +322,15 @@ TEST(InspectTest, TextNamesTheSame) {
   EXPECT_NE(out.str().find("version           12\n"), std::string::npos) << out.str();
   EXPECT_NE(out.str().find("task              push\n"), std::string::npos);
   EXPECT_NE(out.str().find("critic_parameters 86\n"), std::string::npos);
+}
+
+TEST_F(OptionsTest, StatusShowsARunOfAnyName) {
+  for (const std::string name : {"demo", "run", "config", "status"}) {
+    const auto parsed = Parse({"status", name});
+    ASSERT_TRUE(std::holds_alternative<LearnerCommand>(parsed)) << err_;
+    EXPECT_EQ(std::get<StatusOptions>(std::get<LearnerCommand>(parsed)).run, name);
+  }
+  ExpectUsageError(Parse({"status"}), "name the RUN to show");
 }
 
 }  // namespace

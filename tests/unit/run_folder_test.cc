@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "common/files.h"
+#include "learner/excluded_hosts.h"
 
 namespace metronome {
 namespace {
@@ -74,6 +75,28 @@ TEST_F(RunFolderTest, AFolderThatCannotBeMadeIsNamed) {
     FAIL();
   } catch (const std::system_error& error) {
     EXPECT_NE(std::string(error.what()).find(root_ + "/runs"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(RunFolderTest, ExcludedHostsAreReadAsTheyWereWritten) {
+  const std::string path = ExcludedHostsPathOf(root_);
+  EXPECT_TRUE(LoadExcludedHosts(path).empty());
+  const ExcludedHosts hosts = {{"a", "one \"reason\""}, {"b\n", "another"}};
+  SaveExcludedHosts(hosts, path);
+  EXPECT_EQ(LoadExcludedHosts(path), hosts);
+  EXPECT_NO_THROW(SaveExcludedHosts({{"\xff", "no text"}}, path));
+}
+
+TEST_F(RunFolderTest, AnExclusionFileOfAnotherFormIsNamedWithTheRemedy) {
+  const std::string path = ExcludedHostsPathOf(root_);
+  for (const char* content : {"", "{", "[\"a\"]", "{\"a\": 1}"}) {
+    std::ofstream(path, std::ios::trunc) << content;
+    try {
+      LoadExcludedHosts(path);
+      FAIL() << content;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(path + " does not say"), std::string::npos);
+    }
   }
 }
 
