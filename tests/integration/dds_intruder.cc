@@ -9,17 +9,29 @@ namespace {
 
 /// @return whether somebody reads what this process would write on the topic.
 template <class PubSubType>
-bool IsRead(const BusOptions& options, const dds::TopicProfile& profile) {
-  RawWriter writer(options, profile, PubSubType().getName());
-  return writer.WaitForReader(Clock::now() + std::chrono::seconds(4));
+const char* Fate(const BusOptions& options, const dds::TopicProfile& profile) {
+  try {
+    RawWriter writer(options, profile, PubSubType().getName());
+    const bool is_read = writer.WaitForReader(Clock::now() + std::chrono::seconds(4));
+    return is_read ? "is read" : "is not read";
+  } catch (const RawWriter::Forbidden&) {
+    return "may not be written";
+  }
 }
 
 int Try(const BusOptions& options, const char* topic) {
-  const bool is_read =
-      std::strcmp(topic, "episode") == 0
-          ? IsRead<wire::EpisodePubSubType>(options, dds::kEpisodeTopic)
-          : IsRead<wire::RunDescriptionPubSubType>(options, dds::kRunDescriptionTopic);
-  std::puts(is_read ? "is read" : "is not read");
+  const auto is = [topic](const char* name) { return std::strcmp(topic, name) == 0; };
+  if (is("episode")) {
+    std::puts(Fate<wire::EpisodePubSubType>(options, dds::kEpisodeTopic));
+  } else if (is("run_description")) {
+    std::puts(Fate<wire::RunDescriptionPubSubType>(options, dds::kRunDescriptionTopic));
+  } else if (is("episode_order")) {
+    std::puts(Fate<wire::EpisodeOrderPubSubType>(options, dds::kEpisodeOrderTopic));
+  } else if (is("policy_snapshot")) {
+    std::puts(Fate<wire::PolicySnapshotPubSubType>(options, dds::kPolicySnapshotTopic));
+  } else {
+    return 2;
+  }
   return 0;
 }
 
@@ -27,7 +39,8 @@ int Try(const BusOptions& options, const char* topic) {
 }  // namespace metronome::test
 
 /// A writer that takes an identity's folder as it is, without this project's own checks: says
-/// whether anyone reads it. dds_intruder RUN DOMAIN FOLDER episode|run_description
+/// whether anyone reads it. dds_intruder RUN DOMAIN FOLDER
+/// episode|run_description|episode_order|policy_snapshot
 int main(int argc, char** argv) {
   if (argc != 5) return 2;
   metronome::BusOptions options;

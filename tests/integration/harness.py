@@ -250,3 +250,5 @@ class Stage:
                 (note.parent / name).unlink(missing_ok=True)
             note.unlink(missing_ok=True)
         self._claim.close()
+        found = [str(process) for process in self.processes if "Sanitizer:" in process.text]
+        assert not found, "\n\n".join(found)

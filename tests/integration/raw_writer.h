@@ -57,6 +57,12 @@ Bytes Encode(const Message& message) {
 /// Publishes raw bytes on one topic of a run.
 class RawWriter {
  public:
+  /// This process's own permissions (options.security) do not let it write the topic.
+  class Forbidden : public std::runtime_error {
+   public:
+    using std::runtime_error::runtime_error;
+  };
+
   /// @param type_name  that the topic's readers match by: PubSubType().getName().
   RawWriter(const BusOptions& options, const dds::TopicProfile& profile, const char* type_name)
       : factory_(dds::fdds::DomainParticipantFactory::get_instance()),
@@ -68,11 +74,11 @@ class RawWriter {
     writer_ = participant_->create_publisher(qos)->create_datawriter(
         participant_->create_topic(profile.name, type_name, dds::fdds::TOPIC_QOS_DEFAULT),
         Qos(profile), &watch_);
+    if (writer_ != nullptr) return;
+    Delete();
+    throw Forbidden(profile.name);
   }
-  ~RawWriter() {
-    participant_->delete_contained_entities();
-    factory_->delete_participant(participant_);
-  }
+  ~RawWriter() { Delete(); }
   RawWriter(const RawWriter&) = delete;
   RawWriter& operator=(const RawWriter&) = delete;
 
@@ -92,6 +98,11 @@ class RawWriter {
   }
 
  private:
+  void Delete() {
+    participant_->delete_contained_entities();
+    factory_->delete_participant(participant_);
+  }
+
   static dds::fdds::DataWriterQos Qos(const dds::TopicProfile& profile) {
     dds::fdds::DataWriterQos qos = dds::WriterQos(profile);
     qos.reliable_writer_qos().times.heartbeatPeriod = {0, 2'000'000};  // acknowledged soon

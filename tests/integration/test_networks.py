@@ -13,7 +13,8 @@ pytestmark = pytest.mark.skipif(
     namespaces.unavailable() is not None, reason=str(namespaces.unavailable())
 )
 WAYS = ("address", "discovery-server", "tcp")
-LEASE = 10.0  # seconds: 2.5, and what a machine that is full takes to tell
+LEASE = 5.0  # seconds: 2.5, and what a machine that is full takes to tell
+AT_ONCE = 9.0  # seconds: less than the 10 after which an actor looks anew by itself
 
 
 def of_updates(updates):
@@ -156,7 +157,7 @@ def test_a_discovery_server_restarted_at_once_costs_no_episode(
     old.kill()
     server_way.start_server()
     new = stage.actor("run", *server_way.others, host=network.hosts["b"])
-    new.expect_text("joined run", seconds=20)
+    new.expect_text("joined run", seconds=AT_ONCE)
     assert stage.finish("run", learner, [new], LONG) == expected[LONG]
     all_once = f"every episode number entered exactly one update: {LONG * EPISODES} of"
     assert all_once in learner.text, learner

@@ -191,6 +191,23 @@ def test_an_actor_cannot_give_itself_the_permissions_of_a_learner(
         assert "joins" not in pretender.text, pretender
 
 
+def intrude(stage, folder, topic):
+    """@return what becomes of a writer of the topic that has the identity in `folder`."""
+    process = stage.start(BUILD / "bin" / "dds_intruder", "run", stage.domain, folder, topic)
+    assert process.wait() == 0, process
+    return process.output[-1].strip()
+
+
+@pytest.mark.parametrize("name", ["actor-0", "observer"])
+def test_an_identity_may_write_the_topics_of_its_role_alone(stage, identities, name):
+    learner = stage.learner("run", *secured(identities / "learner"))
+    learner.expect_event("started")
+    actor_s = "is read" if name == "actor-0" else "may not be written"
+    assert intrude(stage, identities / name, "episode") == actor_s
+    for topic in ("run_description", "episode_order", "policy_snapshot"):
+        assert intrude(stage, identities / name, topic) == "may not be written", topic
+
+
 def test_an_actor_that_loosens_its_own_rules_is_heard_by_nobody(stage, identities, tmp_path):
     """Genuine identity and permissions, but rules of its own that let it write anything."""
     # Of another name: OpenSSL looks the signer up by it, and the genuine one is there too.
@@ -205,14 +222,9 @@ def test_an_actor_that_loosens_its_own_rules_is_heard_by_nobody(stage, identitie
     learner = stage.learner("run", *secured(identities / "learner"))
     learner.expect_event("started")
 
-    def intrude(folder, topic):
-        process = stage.start(BUILD / "bin" / "dds_intruder", "run", stage.domain, folder, topic)
-        assert process.wait() == 0, process
-        return process.output[-1].strip()
-
-    assert intrude(identities / "actor-0", "episode") == "is read"  # so it would be heard
-    assert intrude(loose, "episode") == "is not read"
-    assert intrude(loose, "run_description") == "is not read"
+    assert intrude(stage, identities / "actor-0", "episode") == "is read"  # so it would be heard
+    assert intrude(stage, loose, "episode") == "is not read"
+    assert intrude(stage, loose, "run_description") == "is not read"
 
 
 def test_a_learner_is_not_started_by_the_identity_of_an_actor(stage, identities):
