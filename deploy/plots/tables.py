@@ -273,6 +273,21 @@ def control_differences(experiments):
     return _table((" control", " less", *_DIFFERENCE_COLUMNS), rows) + f"\n\n{_DIFFERENCE} {TEST}"
 
 
+def engine_differences(experiments):
+    """Cells of the main comparison on the other engine, less themselves."""
+    cells, main = experiments.get("engine", []), experiments.get("main", [])
+    rows = []
+    for task in names.tasks_of(cells):
+        for arm in names.in_order({cell.arm for cell in scores.select(cells, task)}, names.ARMS):
+            other, same = scores.select(cells, task, arm), scores.select(main, task, arm)
+            if same:
+                rows.append([names.label_of(arm, cells), *_difference_row(task, other, same)])
+    if not rows:
+        return None
+    return (_table((" arm", *_DIFFERENCE_COLUMNS), rows)
+            + f"\n\nExperiment engine, whose file names its engine, less main. {_DIFFERENCE} {TEST}")
+
+
 def solve(experiments):
     cells = experiments.get("solve", [])
     return _ends(cells) if cells else None
@@ -280,4 +295,4 @@ def solve(experiments):
 
 TABLES = {"final": final, "improvement": improvement, "differences": differences,
           "time-to-success": time_to_success, "reach": reach, "public": public, "heads": head_sweep,
-          "controls": control_differences, "solve": solve}
+          "controls": control_differences, "engine": engine_differences, "solve": solve}

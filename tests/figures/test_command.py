@@ -90,3 +90,14 @@ def test_a_committed_policy_gets_a_picture_of_its_skills(results, tmp_path):
     assert "![skill-push](results/figures/skill-push.png)" in page.read_text()
     (tmp_path / "results" / "policies" / "push.ckpt").write_bytes(b"no checkpoint")
     assert "push.ckpt: " in figures("--results", tmp_path / "results", "--only", "skill-push", code=1)
+
+
+def test_a_cell_on_another_engine_is_compared_with_itself(tmp_path):
+    for experiment, level in (("main", 0.7), ("engine", 0.3)):
+        for seed in (1, 2, 3):
+            synthetic.cell(tmp_path / "results", experiment, "push", "multihead", seed, level=level, updates=20)
+    page = tmp_path / "page.md"
+    page.write_text("<!-- table engine -->\n<!-- end -->\n")
+    figures("--results", tmp_path / "results", "--out", tmp_path / "out", "--page", page)
+    row = next(line for line in page.read_text().splitlines() if "push" in line)
+    assert "| 3, 3 | paired | -" in row, row
