@@ -47,6 +47,9 @@ def small(steps):
     return words
 
 
+ENDLESS = small(100_000_000)  # half a million updates: no test sees the last
+
+
 class Process:
     """A child whose output is read as it comes."""
 

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from harness import BUILD, EPISODES, HORIZON, UPDATES, small
+from harness import BUILD, ENDLESS, EPISODES, UPDATES
 
 HOSTILE = BUILD / "bin" / "hostile-actor"
 REFUSED = 1
@@ -59,13 +59,13 @@ def test_a_host_that_computes_wrongly_is_named_and_excluded(stage, expected):
 
 
 def test_an_excluded_host_stays_so_when_the_learner_starts_again(stage):
-    learner = stage.learner("run", "--audit", "1", small=small(1_000_000 * EPISODES * HORIZON))
+    learner = stage.learner("run", "--audit", "1", small=ENDLESS)
     false_one = liar(stage)
     learner.expect_text("hostile-wrong-reward")
     honest = [actor_on(stage, "one"), actor_on(stage, "two")]
     assert false_one.wait() == REFUSED, false_one
     learner.kill()
-    again = stage.learner("run", "--resume", "--audit", "1", small=small(1_000_000 * EPISODES * HORIZON))
+    again = stage.learner("run", "--resume", "--audit", "1", small=ENDLESS)
     again.expect_text("it stays excluded")
     returning = liar(stage)
     assert returning.wait() == REFUSED, returning

@@ -3,12 +3,11 @@
 import pytest
 
 import namespaces
-from harness import ACTOR, LEARNER, SMALL, small
+from harness import ACTOR, ENDLESS, LEARNER, SMALL
 
 pytestmark = pytest.mark.skipif(
     namespaces.unavailable() is not None, reason=str(namespaces.unavailable())
 )
-ENDLESS = small(100_000_000)
 
 
 @pytest.fixture

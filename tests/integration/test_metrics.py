@@ -10,12 +10,11 @@ import urllib.request
 
 import pytest
 
-from harness import DEADLINE, ROOT, SMALL, small
+from harness import DEADLINE, ENDLESS, ROOT, SMALL
 
 PROMETHEUS = ROOT / "deploy" / "prometheus"
 DASHBOARD = ROOT / "deploy" / "grafana" / "metronome.json"
 NAME = re.compile(r"\bmetronome_[a-z0-9_]+")
-ENDLESS = small(100_000_000)
 
 
 def read(url):

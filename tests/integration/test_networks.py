@@ -7,7 +7,7 @@ import signal
 import pytest
 
 import namespaces
-from harness import EPISODES, HORIZON, parse_json, small
+from harness import ENDLESS, EPISODES, HORIZON, parse_json, small
 
 pytestmark = pytest.mark.skipif(
     namespaces.unavailable() is not None, reason=str(namespaces.unavailable())
@@ -21,7 +21,6 @@ def of_updates(updates):
     return small(EPISODES * HORIZON * updates)
 
 
-ENDLESS = of_updates(1_000_000)
 LONG = 30
 
 
