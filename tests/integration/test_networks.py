@@ -116,12 +116,10 @@ def test_through_the_documented_ports_alone_a_run_gives_the_weights_of_loopback(
 def test_many_join_are_seen_and_are_missed_when_killed(stage, network, way):
     learner = stage.learner("seen", *way.learner, small=ENDLESS, host=network.hosts["learner"])
     learner.expect_event("started")
-    # Several of one machine: over TCP their connections differ by their process alone.
-    team = [stage.actor("seen", *way.others, host=network.hosts[name]) for name in "aabbabab"]
+    # Two of one machine: over TCP their connections differ by their process alone.
+    team = [stage.actor("seen", *way.others, host=network.hosts[name]) for name in ("a", "a", "b")]
     status = stage.status("seen", "--follow", *way.others, host=network.hosts["server"])
-    for actor in team:
-        actor.expect_text("joined run", seconds=AT_ONCE)
-    status.expect(lambda line: parse_json(line).get("slots_total") == 8, "eight actors", 20)
+    status.expect(lambda line: parse_json(line).get("slots_total") == 3, "three actors", 20)
     if way.name == "discovery-server":  # a lost peer is missed without it too
         way.server.kill()
         learner.expect_text("the discovery server at", seconds=20)
