@@ -143,8 +143,9 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
       "participant in domain " + std::to_string(options.domain) + " (are its UDP ports free?)");
   if (memory_) memory_->Write();
   try {
-    if (options.transport == Transport::kTcp && !FindsLearnersAlone(role)) {
-      EndSilentConnections(TcpPort(options));
+    if (options.transport == Transport::kTcp) {
+      const auto mend = FindsLearnersAlone(role) ? CutMuteConnections : EndSilentConnections;
+      mend(TcpPort(options));
     }
     Check(participant_->register_content_filter_factory(ActorFilterFactory::kClassName,
                                                         ActorFilterFactory::Get()),

@@ -3,19 +3,22 @@
 #include <arpa/inet.h>
 #include <fastdds/rtps/transport/TCPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <linux/tcp.h>
 #include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <array>
 #include <charconv>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "common/dds/participant_qos.h"
 
@@ -28,6 +31,8 @@ namespace rtps = eprosima::fastrtps::rtps;
 
 constexpr const char* kAnyAddress = "0.0.0.0";
 constexpr const char* kNoAddress = "0.0.0.1";
+constexpr std::chrono::milliseconds kMuteFor{300};
+constexpr std::chrono::milliseconds kMutePoll{5};
 
 std::string LearnerAddress(const Network& network) {
   return network.scope == Network::Scope::kPeers ? network.peers.front().address : kLoopbackAddress;
@@ -76,8 +81,8 @@ rtps::Locator_t TcpLocator(const std::string& address, std::uint16_t port,
 /// connection again by that. They go to the "public address"; the address proper is one that no
 /// connection has, since the learner (whose own reader hears its own writer) also connects to
 /// itself, and Fast DDS 2.9 takes both ends of that for one if they have one locator.
-rtps::Locator_t LearnerLocator(const BusOptions& options, std::uint16_t logical_port) {
-  auto locator = TcpLocator(kNoAddress, TcpPort(options), logical_port);
+rtps::Locator_t LearnerLocator(const BusOptions& options, std::uint16_t inner_port) {
+  auto locator = TcpLocator(kNoAddress, TcpPort(options), inner_port);
   rtps::IPLocator::setWan(locator, LearnerAddress(options.network));
   return locator;
 }
@@ -87,6 +92,14 @@ std::optional<int> NumberOf(const std::filesystem::path& descriptor) {
   int number = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
   return error == std::errc{} ? std::optional(number) : std::nullopt;
+}
+
+std::vector<int> Descriptors() {
+  std::vector<int> descriptors;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    if (const auto descriptor = NumberOf(entry.path())) descriptors.push_back(*descriptor);
+  }
+  return descriptors;
 }
 
 bool ListensOn(int descriptor, std::uint16_t port) {
@@ -99,6 +112,31 @@ bool ListensOn(int descriptor, std::uint16_t port) {
   size = sizeof here;
   return getsockname(descriptor, reinterpret_cast<sockaddr*>(&here), &size) == 0 &&
          here.sin_family == AF_INET && ntohs(here.sin_port) == port;
+}
+
+bool IsConnectedTo(int descriptor, std::uint16_t port) {
+  sockaddr_in there{};
+  socklen_t size = sizeof there;
+  return getpeername(descriptor, reinterpret_cast<sockaddr*>(&there), &size) == 0 &&
+         there.sin_family == AF_INET && ntohs(there.sin_port) == port;
+}
+
+/// Whether something came in answer to our first message and we said nothing since.
+bool IsMute(int descriptor) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  return getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 &&
+         info.tcpi_bytes_received > 0 && info.tcpi_data_segs_out <= 1;
+}
+
+/// Whether it stays mute for longer than Fast DDS takes to go on.
+bool StaysMute(int descriptor) {
+  const auto deadline = std::chrono::steady_clock::now() + kMuteFor;
+  while (IsMute(descriptor)) {
+    if (std::chrono::steady_clock::now() >= deadline) return true;
+    std::this_thread::sleep_for(kMutePoll);
+  }
+  return false;
 }
 
 }  // namespace
@@ -118,10 +156,12 @@ void AddTcp(const BusOptions& options, bool is_learner, fdds::DomainParticipantQ
   tcp->enable_tcp_nodelay = true;
   tcp->calculate_crc = false;  // TCP has its own
   tcp->check_crc = false;
-  // The ports inside a connection, equal for all.
-  const rtps::PortParameters ports;
-  const auto metatraffic = static_cast<std::uint16_t>(ports.getUnicastPort(options.domain, 0));
-  const auto data = static_cast<std::uint16_t>(metatraffic + 1);
+  // The port inside a connection, equal for all, and one for discovery and data alike: Fast DDS 2.9
+  // asks to open a port and then notes that it did (TCPChannelResource::add_logical_port); if the
+  // answer is faster, what is sent there is dropped for ever. The one that an actor wants of the
+  // learner is noted before there is a connection.
+  const auto inner_port =
+      static_cast<std::uint16_t>(rtps::PortParameters().getUnicastPort(options.domain, 0));
   auto& wire = qos->wire_protocol();
   if (is_learner) {
     tcp->add_listener_port(TcpPort(options));
@@ -129,28 +169,27 @@ void AddTcp(const BusOptions& options, bool is_learner, fdds::DomainParticipantQ
     if (options.network.scope == Network::Scope::kLoopback) {
       tcp->interfaceWhiteList.emplace_back(kLoopbackAddress);
     }
-    wire.builtin.metatrafficUnicastLocatorList.push_back(LearnerLocator(options, metatraffic));
-    wire.default_unicast_locator_list.push_back(LearnerLocator(options, data));
+    wire.builtin.metatrafficUnicastLocatorList.push_back(LearnerLocator(options, inner_port));
+    wire.default_unicast_locator_list.push_back(LearnerLocator(options, inner_port));
   } else {
     tcp->set_WAN_address(NowhereAddress());
     const std::string here = AddressTowards(LearnerAddress(options.network));
-    wire.builtin.metatrafficUnicastLocatorList.push_back(TcpLocator(here, 0, metatraffic));
-    wire.default_unicast_locator_list.push_back(TcpLocator(here, 0, data));
-    wire.builtin.initialPeersList.push_back(LearnerLocator(options, metatraffic));
+    wire.builtin.metatrafficUnicastLocatorList.push_back(TcpLocator(here, 0, inner_port));
+    wire.default_unicast_locator_list.push_back(TcpLocator(here, 0, inner_port));
+    wire.builtin.initialPeersList.push_back(LearnerLocator(options, inner_port));
   }
   qos->transport().user_transports.push_back(tcp);
 }
 
 void EndSilentConnections(std::uint16_t port) {
   bool found = false;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
-    const auto descriptor = NumberOf(entry.path());
-    if (!descriptor || !ListensOn(*descriptor, port)) continue;
+  for (const int descriptor : Descriptors()) {
+    if (!ListensOn(descriptor, port)) continue;
     found = true;
     // Connections inherit it from the socket that accepts them.
     const std::uint32_t milliseconds = kLeaseMilliseconds;
-    if (setsockopt(*descriptor, IPPROTO_TCP, TCP_USER_TIMEOUT, &milliseconds,
-                   sizeof milliseconds) != 0) {
+    if (setsockopt(descriptor, IPPROTO_TCP, TCP_USER_TIMEOUT, &milliseconds, sizeof milliseconds) !=
+        0) {
       throw std::runtime_error("TCP port " + std::to_string(port) +
                                ": no time-out can be set for its connections");
     }
@@ -160,6 +199,12 @@ void EndSilentConnections(std::uint16_t port) {
       "TCP port " + std::to_string(port) +
       " cannot be listened on: another learner of this machine and domain may have it; choose "
       "another, for the actors too: --network HOST:PORT");
+}
+
+void CutMuteConnections(std::uint16_t port) {
+  for (const int descriptor : Descriptors()) {
+    if (IsConnectedTo(descriptor, port) && StaysMute(descriptor)) shutdown(descriptor, SHUT_RDWR);
+  }
 }
 
 }  // namespace metronome::dds

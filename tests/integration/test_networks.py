@@ -7,7 +7,7 @@ import signal
 import pytest
 
 import namespaces
-from harness import ENDLESS, EPISODES, HORIZON, parse_json, small
+from harness import BUILD, ENDLESS, EPISODES, HORIZON, parse_json, small
 
 pytestmark = pytest.mark.skipif(
     namespaces.unavailable() is not None, reason=str(namespaces.unavailable())
@@ -116,10 +116,12 @@ def test_through_the_documented_ports_alone_a_run_gives_the_weights_of_loopback(
 def test_many_join_are_seen_and_are_missed_when_killed(stage, network, way):
     learner = stage.learner("seen", *way.learner, small=ENDLESS, host=network.hosts["learner"])
     learner.expect_event("started")
-    # Two of one machine: over TCP their connections differ by their process alone.
-    team = [stage.actor("seen", *way.others, host=network.hosts[name]) for name in ("a", "a", "b")]
+    # Several of one machine: over TCP their connections differ by their process alone.
+    team = [stage.actor("seen", *way.others, host=network.hosts[name]) for name in "aabbabab"]
     status = stage.status("seen", "--follow", *way.others, host=network.hosts["server"])
-    status.expect(lambda line: parse_json(line).get("slots_total") == 3, "three actors", 20)
+    for actor in team:
+        actor.expect_text("joined run", seconds=AT_ONCE)
+    status.expect(lambda line: parse_json(line).get("slots_total") == 8, "eight actors", 20)
     if way.name == "discovery-server":  # a lost peer is missed without it too
         way.server.kill()
         learner.expect_text("the discovery server at", seconds=20)
@@ -209,6 +211,25 @@ def test_over_tcp_nothing_is_needed_towards_the_actors(stage, network):
         assert "counter packets 0 " in rules, f"somebody tried to connect: {rules}"
     finally:
         router.run("nft", "delete", "table", "ip", "nat")
+
+
+class HeldUp:
+    """Processes whose first connecting thread is held up until the learner has answered."""
+
+    def process(self, *command):
+        return ("env", f"LD_PRELOAD={BUILD / 'tests' / 'integration' / 'liblate_port.so'}", *command)
+
+
+def test_over_tcp_a_learner_that_answers_at_once_is_heard(stage):
+    loopback = ("--transport", "tcp")
+    learner = stage.learner("run", *loopback, small=ENDLESS)
+    learner.expect_event("started")
+    actor = stage.actor("run", *loopback, host=HeldUp())
+    status = stage.status("run", *loopback, host=HeldUp())
+    for process in (actor, status):
+        process.expect_text("held up between connecting and noting the port")
+    actor.expect_text("joined run", seconds=AT_ONCE)
+    assert status.wait(AT_ONCE) == 0, status
 
 
 def test_over_tcp_an_actor_that_is_cut_off_holds_nobody_up(stage, network):
