@@ -7,6 +7,7 @@
 
 #include "actor/metaworld/placement.h"
 #include "actor/metaworld/task_table.h"
+#include "common/action_noise.h"
 #include "common/cpu_times.h"
 #include "common/head_schedule.h"
 #include "common/policy.h"
@@ -91,6 +92,7 @@ std::optional<Episode> PlayEpisode(const RunConfig& config, const PolicySnapshot
   const std::int32_t horizon = config.environment().horizon();
   Policy policy(config, snapshot);
   const HeadSchedule schedule(config, TrainingEpisode(config, number));
+  ActionNoise noise(config, number);
   Episode episode = EmptyEpisode(number, snapshot.version, static_cast<std::size_t>(horizon));
   stopwatch.Lap(CpuUse::kPolicy);
   AppendObservation(environment.Reset(TrainingPlacement(config, number)), episode);
@@ -98,8 +100,7 @@ std::optional<Episode> PlayEpisode(const RunConfig& config, const PolicySnapshot
   for (std::int32_t t = 0; t < horizon; ++t) {
     if (cancel.load(std::memory_order_relaxed)) return std::nullopt;
     const float* observation = episode.observation.data() + std::size_t(t) * kObservationSize;
-    const Policy::Decision decision =
-        policy.Act(schedule, observation, t, ActionNoise(config.seed(), number, t));
+    const Policy::Decision decision = policy.Act(schedule, observation, t, noise.At(t));
     stopwatch.Lap(CpuUse::kPolicy);
     const metaworld::StepResult step = environment.Step(decision.action);
     stopwatch.Lap(CpuUse::kPhysics);

@@ -18,7 +18,8 @@ namespace metronome {
 /// What is written. Grows whenever an older build would misread the payload; it refuses a newer
 /// format by name. The frame stays.
 /// 2: the configuration names the heads' schedule and the critic's heads (1: blocks, separate).
-inline constexpr std::uint32_t kCheckpointFormat = 2;
+/// 3: and the correlation of exploration noise (before: 0).
+inline constexpr std::uint32_t kCheckpointFormat = 3;
 /// What is read: from here to kCheckpointFormat.
 inline constexpr std::uint32_t kOldestCheckpointFormat = 1;
 

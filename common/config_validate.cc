@@ -35,6 +35,7 @@ const std::map<std::string, Range>& Ranges() {
       // exp of it is a finite, positive float32.
       {"policy.initial_log_std", {-87, 88}},
       {"policy.observation_clip", {0, kUnbounded, true}},
+      {"policy.noise_correlation", {0, 0.999}},
       {"ppo.learning_rate", {0, kUnbounded, true}},
       {"ppo.learning_rate_floor", {0, 1}},
       {"ppo.adam_epsilon", {0, kUnbounded, true}},

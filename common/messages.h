@@ -10,8 +10,9 @@
 namespace metronome {
 
 /// Grows whenever wire types or the meaning of a message change. Peers of another version are
-/// refused, both versions named. 2: the configuration names the heads' schedule.
-inline constexpr std::uint32_t kProtocolVersion = 2;
+/// refused, both versions named. 2: the configuration names the heads' schedule. 3: and the
+/// correlation of exploration noise.
+inline constexpr std::uint32_t kProtocolVersion = 3;
 
 /// Learner to all: everything an actor needs to know. The newest incarnation rules.
 struct RunDescription {

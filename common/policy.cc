@@ -156,20 +156,20 @@ std::array<std::array<float, kActionSize>, Policy::kStates> Policy::Means(
 }
 
 Policy::Decision Policy::Act(const HeadSchedule& schedule, const float* observation, std::int32_t t,
-                             RandomStream noise) {
+                             const std::array<float, kActionSize>& noise) {
   return ActAround(schedule, Mean(schedule, observation, t), t, noise);
 }
 
 Policy::Decision Policy::ActAround(const HeadSchedule& schedule,
                                    const std::array<float, kActionSize>& mean, std::int32_t t,
-                                   RandomStream noise) const {
+                                   const std::array<float, kActionSize>& noise) const {
   RequireFit(schedule);
   Decision decision;
   decision.mean = mean;
   decision.head = schedule.HeadAt(t);
   const auto& stds = std_[decision.head];
   for (int i = 0; i < kActionSize; ++i) {
-    decision.action[i] = decision.mean[i] + stds[i] * static_cast<float>(noise.Normal());
+    decision.action[i] = decision.mean[i] + stds[i] * noise[i];
   }
   decision.log_prob = GaussianLogProb(decision.action.data(), decision.mean.data(), stds.data(),
                                       log_std_[decision.head].data());

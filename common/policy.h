@@ -10,7 +10,6 @@
 #include "common/head_schedule.h"
 #include "common/messages.h"
 #include "common/network.h"
-#include "common/random.h"
 
 namespace metronome {
 
@@ -50,11 +49,11 @@ class Policy {
 
   /// Samples the action of step t with the standard normal numbers of `noise`.
   Decision Act(const HeadSchedule& schedule, const float* observation, std::int32_t t,
-               RandomStream noise);
+               const std::array<float, kActionSize>& noise);
   /// The same where the mean of step t is known.
   [[nodiscard]] Decision ActAround(const HeadSchedule& schedule,
                                    const std::array<float, kActionSize>& mean, std::int32_t t,
-                                   RandomStream noise) const;
+                                   const std::array<float, kActionSize>& noise) const;
 
  private:
   /// Weight transposed to [inputs, padded outputs] row-major, so that vectors run along outputs;
@@ -94,10 +93,5 @@ class Policy {
   std::vector<Eigen::MatrixXf> activations_;  // one per hidden layer, [padded outputs, kStates]
   Eigen::VectorXf head_output_;               // padded
 };
-
-/// The noise of step t of training episode `number`.
-inline RandomStream ActionNoise(std::uint64_t seed, std::uint64_t number, std::int32_t t) {
-  return {RandomPurpose::kTrain, seed, number, static_cast<std::uint64_t>(t)};
-}
 
 }  // namespace metronome

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "common/action_noise.h"
 #include "common/head_schedule.h"
 #include "common/network.h"
 #include "common/policy.h"
@@ -68,52 +69,57 @@ bool Equal(float given, float expected, double tolerance) {
                         : std::abs(double{given} - double{expected}) <= tolerance;
 }
 
-std::optional<std::string> CheckStep(const Episode& episode, const Policy& policy,
-                                     const RunConfig& config, const HeadSchedule& schedule,
-                                     std::int32_t t, const std::array<float, kActionSize>& mean) {
-  const Policy::Decision expected =
-      policy.ActAround(schedule, mean, t, ActionNoise(config.seed(), episode.number, t));
-  const double tolerance = config.collection().check_tolerance();
+/// An episode whose shape and schedule are right, and what its steps are recomputed from.
+struct Recomputation {
+  const Episode& episode;
+  const RunConfig& config;
+  const HeadSchedule& schedule;
+  Policy& policy;
+  ActionNoise noise;
+
+  [[nodiscard]] const float* ObservationAt(std::int32_t t) const {
+    return episode.observation.data() + std::size_t(t) * kObservationSize;
+  }
+};
+
+std::optional<std::string> CheckStep(Recomputation& of, std::int32_t t,
+                                     const std::array<float, kActionSize>& mean) {
+  const Policy::Decision expected = of.policy.ActAround(of.schedule, mean, t, of.noise.At(t));
+  const double tolerance = of.config.collection().check_tolerance();
   const auto at = std::size_t(t);
-  bool equal = Equal(episode.log_prob[at], expected.log_prob, tolerance);
+  bool equal = Equal(of.episode.log_prob[at], expected.log_prob, tolerance);
   for (std::size_t i = 0; i < kActionSize; ++i) {
-    equal = equal && Equal(episode.action[at * kActionSize + i], expected.action[i], tolerance);
+    equal = equal && Equal(of.episode.action[at * kActionSize + i], expected.action[i], tolerance);
   }
   if (equal) return std::nullopt;
-  return "step " + std::to_string(t) + ": weights version " + std::to_string(policy.version()) +
+  return "step " + std::to_string(t) + ": weights version " + std::to_string(of.policy.version()) +
          " gives log-probability " + std::to_string(expected.log_prob) + ", the episode says " +
-         std::to_string(episode.log_prob[at]) + " (action or log-probability differ)";
+         std::to_string(of.episode.log_prob[at]) + " (action or log-probability differ)";
 }
 
-const float* ObservationAt(const Episode& episode, std::int32_t t) {
-  return episode.observation.data() + std::size_t(t) * kObservationSize;
-}
-
-std::optional<std::string> CheckEveryStep(const Episode& episode, Policy& policy,
-                                          const RunConfig& config, const HeadSchedule& schedule) {
+std::optional<std::string> CheckEveryStep(Recomputation& of) {
   std::int32_t t = 0;
-  for (; t + Policy::kStates <= episode.length(); t += Policy::kStates) {
-    const auto means = policy.Means(schedule, ObservationAt(episode, t), t);
+  for (; t + Policy::kStates <= of.episode.length(); t += Policy::kStates) {
+    const auto means = of.policy.Means(of.schedule, of.ObservationAt(t), t);
     for (int i = 0; i < Policy::kStates; ++i) {
-      if (auto reason = CheckStep(episode, policy, config, schedule, t + i, means[i]))
-        return reason;
+      if (auto reason = CheckStep(of, t + i, means[i])) return reason;
     }
   }
-  for (; t < episode.length(); ++t) {
-    const auto mean = policy.Mean(schedule, ObservationAt(episode, t), t);
-    if (auto reason = CheckStep(episode, policy, config, schedule, t, mean)) return reason;
+  for (; t < of.episode.length(); ++t) {
+    const auto mean = of.policy.Mean(of.schedule, of.ObservationAt(t), t);
+    if (auto reason = CheckStep(of, t, mean)) return reason;
   }
   return std::nullopt;
 }
 
 // The sample is seeded, by a counter that no action uses.
-std::optional<std::string> CheckSample(const Episode& episode, Policy& policy,
-                                       const RunConfig& config, const HeadSchedule& schedule) {
-  for (std::int32_t t = 0; t < episode.length(); ++t) {
-    RandomStream random(RandomPurpose::kShuffle, config.seed(), ~episode.number, std::uint64_t(t));
-    if (random.Uniform() >= config.collection().check_share()) continue;
-    const auto mean = policy.Mean(schedule, ObservationAt(episode, t), t);
-    if (auto reason = CheckStep(episode, policy, config, schedule, t, mean)) return reason;
+std::optional<std::string> CheckSample(Recomputation& of) {
+  for (std::int32_t t = 0; t < of.episode.length(); ++t) {
+    RandomStream random(RandomPurpose::kShuffle, of.config.seed(), ~of.episode.number,
+                        std::uint64_t(t));
+    if (random.Uniform() >= of.config.collection().check_share()) continue;
+    const auto mean = of.policy.Mean(of.schedule, of.ObservationAt(t), t);
+    if (auto reason = CheckStep(of, t, mean)) return reason;
   }
   return std::nullopt;
 }
@@ -130,8 +136,8 @@ std::optional<std::string> CheckEpisode(const Episode& episode, Policy& policy,
   if (auto reason = CheckFinite(episode)) return reason;
   const HeadSchedule schedule(config, TrainingEpisode(config, episode.number));
   if (auto reason = CheckSchedule(episode, schedule)) return reason;
-  return config.collection().check_share() >= 1 ? CheckEveryStep(episode, policy, config, schedule)
-                                                : CheckSample(episode, policy, config, schedule);
+  Recomputation of{episode, config, schedule, policy, ActionNoise(config, episode.number)};
+  return config.collection().check_share() >= 1 ? CheckEveryStep(of) : CheckSample(of);
 }
 
 }  // namespace metronome

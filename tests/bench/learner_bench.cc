@@ -9,6 +9,7 @@
 #include <functional>
 #include <vector>
 
+#include "common/action_noise.h"
 #include "common/config.h"
 #include "common/head_schedule.h"
 #include "common/policy.h"
@@ -65,10 +66,10 @@ Episode SyntheticEpisode(const RunConfig& config, Policy& policy, std::uint64_t 
   RandomStream random(RandomPurpose::kEvaluate, 1, number, 0);
   episode.observation.resize(std::size_t(horizon + 1) * kObservationSize);
   for (float& value : episode.observation) value = float(random.Normal());
+  ActionNoise noise(config, number);
   for (std::int32_t t = 0; t < horizon; ++t) {
-    const Policy::Decision decision =
-        policy.Act(schedule, episode.observation.data() + std::size_t(t) * kObservationSize, t,
-                   ActionNoise(config.seed(), number, t));
+    const Policy::Decision decision = policy.Act(
+        schedule, episode.observation.data() + std::size_t(t) * kObservationSize, t, noise.At(t));
     episode.action.insert(episode.action.end(), decision.action.begin(), decision.action.end());
     episode.log_prob.push_back(decision.log_prob);
     episode.head.push_back(std::uint16_t(decision.head));

@@ -8,6 +8,7 @@
 #include "actor/metaworld/assets.h"
 #include "actor/metaworld/environment.h"
 #include "actor/rollout.h"
+#include "common/action_noise.h"
 #include "common/head_schedule.h"
 #include "common/policy.h"
 #include "common/snapshot.h"
@@ -50,11 +51,11 @@ EpisodeBank::Decisions EpisodeBank::Decide(std::uint64_t number,
   const Episode& recording = RecordingOf(number);
   Policy policy(config_, snapshot);
   const HeadSchedule schedule(config_, TrainingEpisode(config_, number));
+  ActionNoise noise(config_, number);
   Decisions decisions;
   for (std::int32_t t = 0; t < recording.length(); ++t) {
     const float* observation = recording.observation.data() + std::size_t(t) * kObservationSize;
-    const Policy::Decision decision =
-        policy.Act(schedule, observation, t, ActionNoise(config_.seed(), number, t));
+    const Policy::Decision decision = policy.Act(schedule, observation, t, noise.At(t));
     decisions.action.insert(decisions.action.end(), decision.action.begin(), decision.action.end());
     decisions.log_prob.push_back(decision.log_prob);
     decisions.head.push_back(static_cast<std::uint16_t>(decision.head));

@@ -278,6 +278,7 @@ TEST(ValidateTest, EachNumberHasItsRange) {
       {"runtime.checkpoint_keep", {"0", "-1"}, {"1"}},
       {"runtime.milestone_every", {"-1"}, {"0", "25"}},
       {"runtime.audit_share", {"-0.1", "1.1"}, {"0", "0.05", "1"}},
+      {"policy.noise_correlation", {"-0.1", "1", "nan"}, {"0", "0.9"}},
   };
   for (const Case& c : cases) {
     for (const auto& value : c.refused) {

@@ -101,7 +101,7 @@ TEST_P(PolicyTest, TheLogProbabilityIsTheUnclippedActionsDensity) {
   const std::size_t log_std = ActorLayout(ShapeOf(config)).log_std;
   for (const int t : {0, 20, 39}) {
     const Policy::Decision decision =
-        policy.Act(schedule, observation.data(), t, ActionNoise(1, 2, t));
+        policy.Act(schedule, observation.data(), t, {0.5F, -1.0F, 2.0F, 0.1F});
     EXPECT_EQ(decision.head, HeadByDefinition(config, t));
     double want = 0;
     for (int i = 0; i < 4; ++i) {
@@ -129,9 +129,9 @@ TEST(PolicyTest, ActingTwiceOrAfterOtherStatesGivesEqualBits) {
   const std::vector<float> other(kObservationSize, -1.0F);
   const std::vector<float> observation(kObservationSize, 0.7F);
   const HeadSchedule schedule = ScheduleOfSix(config);
-  for (int t = 0; t < 40; ++t) (void)used.Act(schedule, other.data(), t, ActionNoise(1, 1, t));
-  const auto a = fresh.Act(schedule, observation.data(), 17, ActionNoise(3, 4, 17));
-  const auto b = used.Act(schedule, observation.data(), 17, ActionNoise(3, 4, 17));
+  for (int t = 0; t < 40; ++t) (void)used.Act(schedule, other.data(), t, {1, 1, 1, 1});
+  const auto a = fresh.Act(schedule, observation.data(), 17, {0.5F, -1.0F, 2.0F, 0.1F});
+  const auto b = used.Act(schedule, observation.data(), 17, {0.5F, -1.0F, 2.0F, 0.1F});
   EXPECT_EQ(a.action, b.action);
   EXPECT_EQ(a.log_prob, b.log_prob);
 }
@@ -148,7 +148,7 @@ TEST(PolicyTest, RefusesAScheduleOfAnotherNumberOfHeads) {
   const std::vector<float> observation(Policy::kStates * kObservationSize, 0.4F);
   EXPECT_THROW((void)policy.Mean(four, observation.data(), 0), std::invalid_argument);
   EXPECT_THROW((void)policy.Means(four, observation.data(), 0), std::invalid_argument);
-  EXPECT_THROW((void)policy.ActAround(four, {}, 0, ActionNoise(1, 2, 0)), std::invalid_argument);
+  EXPECT_THROW((void)policy.ActAround(four, {}, 0, {}), std::invalid_argument);
 }
 
 }  // namespace

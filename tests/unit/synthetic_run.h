@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/action_noise.h"
 #include "common/config.pb.h"
 #include "common/episode.h"
 #include "common/head_schedule.h"
@@ -37,6 +38,7 @@ inline Episode SyntheticEpisode(const RunConfig& config, const PolicySnapshot& s
                                 std::uint64_t number) {
   Policy policy(config, snapshot);
   const HeadSchedule schedule(config, TrainingEpisode(config, number));
+  ActionNoise noise(config, number);
   Episode episode;
   episode.number = number;
   episode.weights_version = snapshot.version;
@@ -50,8 +52,7 @@ inline Episode SyntheticEpisode(const RunConfig& config, const PolicySnapshot& s
     }
     if (t == horizon) break;
     const float* row = episode.observation.data() + std::size_t(t) * kObservationSize;
-    const Policy::Decision decision =
-        policy.Act(schedule, row, t, ActionNoise(config.seed(), number, t));
+    const Policy::Decision decision = policy.Act(schedule, row, t, noise.At(t));
     float cost = 0;
     for (const float action : decision.action) {
       episode.action.push_back(action);
