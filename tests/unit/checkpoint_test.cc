@@ -130,20 +130,33 @@ TEST(CheckpointTest, AnotherFormatSaysWhich) {
   for (const std::uint32_t format : {0U, 9U}) {
     EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), format)),
               "x.ckpt: checkpoint format " + std::to_string(format) +
-                  ", this build reads formats 1 to 2");
+                  ", this build reads formats 1 to 3");
   }
 }
 
-TEST(CheckpointTest, AFileOfFormat1GoesOnAsBlocksWithSeparateCriticHeads) {
-  const Checkpoint whole = SmallCheckpoint();
-  Checkpoint old = whole;  // as format 1 wrote it: without what it did not know
-  old.config.mutable_policy()->clear_schedule();
-  old.config.mutable_policy()->clear_critic_heads();
-  const Checkpoint loaded = DecodeCheckpoint(WithFormat(old, 1), "x.ckpt");
+void ExpectToGoOnAs(const Checkpoint& whole, const Checkpoint& old, std::uint32_t format) {
+  const Checkpoint loaded = DecodeCheckpoint(WithFormat(old, format), "x.ckpt");
   EXPECT_EQ(loaded.state, whole.state);
   EXPECT_NO_THROW(RequireShape(loaded, whole.config, "x.ckpt"));
   EXPECT_TRUE(CompareForResume(loaded.config, whole.config, false).empty());
   EXPECT_EQ(Resolve(loaded.config).SerializeAsString(), whole.config.SerializeAsString());
+}
+
+// Old files are without what their format did not know.
+TEST(CheckpointTest, AFileOfFormat2GoesOnWithWhiteNoise) {
+  const Checkpoint whole = SmallCheckpoint();
+  Checkpoint old = whole;
+  old.config.mutable_policy()->clear_noise_correlation();
+  ExpectToGoOnAs(whole, old, 2);
+}
+
+TEST(CheckpointTest, AFileOfFormat1GoesOnAsBlocksWithSeparateCriticHeads) {
+  const Checkpoint whole = SmallCheckpoint();
+  Checkpoint old = whole;
+  old.config.mutable_policy()->clear_schedule();
+  old.config.mutable_policy()->clear_critic_heads();
+  old.config.mutable_policy()->clear_noise_correlation();
+  ExpectToGoOnAs(whole, old, 1);
 }
 
 TEST(CheckpointTest, SomethingElseAltogetherIsSaidToBe) {
