@@ -106,6 +106,8 @@ def test_one_head_methods_agree_too(stage, method):
         ("policy.critic_heads=shared",),
         ("policy.schedule=shuffled", "policy.critic_heads=shared", "collection.overlap=1"),
         ("ppo.time_limit_value=bootstrap",),
+        ("policy.noise_correlation=0.5",),
+        ("policy.noise_correlation=0.5", "collection.check_share=0.5"),
         # T = 100, k = 20, as many steps in as many updates
         (
             "environment.horizon=100",
