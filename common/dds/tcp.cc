@@ -102,23 +102,27 @@ std::vector<int> Descriptors() {
   return descriptors;
 }
 
+/// @param end  getsockname: our end's port; getpeername: the other's. @return std::nullopt if the
+/// descriptor is no IPv4 socket or has no such end.
+std::optional<std::uint16_t> PortOf(int descriptor, decltype(&getsockname) end) {
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  if (end(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0 ||
+      address.sin_family != AF_INET) {
+    return std::nullopt;
+  }
+  return ntohs(address.sin_port);
+}
+
 bool ListensOn(int descriptor, std::uint16_t port) {
   int listens = 0;
   socklen_t size = sizeof listens;
-  if (getsockopt(descriptor, SOL_SOCKET, SO_ACCEPTCONN, &listens, &size) != 0 || listens == 0) {
-    return false;
-  }
-  sockaddr_in here{};
-  size = sizeof here;
-  return getsockname(descriptor, reinterpret_cast<sockaddr*>(&here), &size) == 0 &&
-         here.sin_family == AF_INET && ntohs(here.sin_port) == port;
+  return getsockopt(descriptor, SOL_SOCKET, SO_ACCEPTCONN, &listens, &size) == 0 && listens != 0 &&
+         PortOf(descriptor, getsockname) == port;
 }
 
 bool IsConnectedTo(int descriptor, std::uint16_t port) {
-  sockaddr_in there{};
-  socklen_t size = sizeof there;
-  return getpeername(descriptor, reinterpret_cast<sockaddr*>(&there), &size) == 0 &&
-         there.sin_family == AF_INET && ntohs(there.sin_port) == port;
+  return PortOf(descriptor, getpeername) == port;
 }
 
 /// Whether something came in answer to our first message and we said nothing since.

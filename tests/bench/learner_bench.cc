@@ -13,6 +13,7 @@
 #include "common/config.h"
 #include "common/head_schedule.h"
 #include "common/policy.h"
+#include "common/random.h"
 #include "common/snapshot.h"
 #include "learner/minibatch_step.h"
 #include "learner/trainer.h"

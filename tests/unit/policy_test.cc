@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/random.h"
 #include "learner/trainer.h"
 #include "tests/unit/double_network.h"
 #include "tests/unit/synthetic_run.h"
