@@ -20,6 +20,7 @@ from faults import plan
 from team import UPDATES, Failed, Team, namespaces, small_disk
 
 LONGEST_SILENCE = 10.0  # seconds between updates of a run that could go on; longer ones are failures
+FEWEST_FAULTS = 10  # that must strike in a run, or all of a shorter plan; fewer show too little
 
 
 def say(text):
@@ -89,13 +90,16 @@ def main():
                 say(f"seed {seed}: FAILED: {failure}")
                 continue
             equal = digest == calm and rows == calm_curve
-            bad += not equal or conductor.longest_silence > LONGEST_SILENCE
+            enough = len(conductor.struck) >= min(FEWEST_FAULTS, options.faults)
+            bad += not equal or not enough or conductor.longest_silence > LONGEST_SILENCE
             struck.update(fault.name for fault in conductor.struck)
             silences.append(conductor.longest_silence)
             say(
                 f"seed {seed}: {'equal' if equal else f'DIFFERS: {digest}'}, "
-                f"{len(conductor.struck)} faults struck, {len(conductor.missed)} missed "
-                f"({', '.join(map(str, conductor.missed)) or 'none'}), {seconds:.0f} s, "
+                f"{len(conductor.struck)} faults struck{'' if enough else ': TOO FEW'}, "
+                f"{len(conductor.missed)} missed "
+                f"({', '.join(map(str, conductor.missed)) or 'none'}), "
+                f"{len(conductor.plan)} never began, {seconds:.0f} s, "
                 f"longest silence {conductor.longest_silence:.1f} s"
             )
     for name, count in sorted(struck.items()):

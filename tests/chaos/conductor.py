@@ -54,12 +54,16 @@ class Conductor:
         return any(test(fault) for _, fault in self._active if fault.target == target)
 
     def _begin_faults(self):
-        while self.plan and self.plan[0][0] <= self._update < self.updates - QUIET_END:
-            _, fault = self.plan[0]
-            if self.busy(fault.target):
-                return  # two at once on one machine would undo each other
-            self.plan.pop(0)
-            self.begin(fault)
+        if self._update >= self.updates - QUIET_END:
+            return
+        waiting = []
+        for begin, fault in self.plan:
+            # Two at once on one machine would undo each other: the second waits, and no other for it.
+            if begin > self._update or self.busy(fault.target):
+                waiting.append((begin, fault))
+            else:
+                self.begin(fault)
+        self.plan = waiting
 
     def begin(self, fault):
         self._say(f"update {self._update}: {fault}")

@@ -51,7 +51,8 @@ class ActorTerminated(ActorKilled):
     def begin(self, team):
         actor = team.actors[self.target]
         actor.signal(signal.SIGTERM)
-        self.struck = actor.wait(10) == 128 + signal.SIGTERM
+        # One that has only just been started has no handler yet.
+        self.struck = actor.wait(10) in (128 + signal.SIGTERM, -signal.SIGTERM)
 
 
 def _stop(process):

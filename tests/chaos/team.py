@@ -16,7 +16,7 @@ import harness  # noqa: E402
 import namespaces  # noqa: E402
 
 RUN = "chaos"
-EPISODES, HORIZON, UPDATES = 8, 100, 120
+EPISODES, HORIZON, UPDATES = 8, 100, 200
 TRAINING = (
     *("--task", "push", "--seed", "7", "--steps", str(EPISODES * HORIZON * UPDATES)),
     *("--set", f"environment.horizon={HORIZON}"),
