@@ -19,7 +19,8 @@ namespace metronome {
 /// format by name. The frame stays.
 /// 2: the configuration names the heads' schedule and the critic's heads (1: blocks, separate).
 /// 3: and the correlation of exploration noise (before: 0).
-inline constexpr std::uint32_t kCheckpointFormat = 3;
+/// 4: and what success adds to the reward (before: 0).
+inline constexpr std::uint32_t kCheckpointFormat = 4;
 /// What is read: from here to kCheckpointFormat.
 inline constexpr std::uint32_t kOldestCheckpointFormat = 1;
 

@@ -49,6 +49,7 @@ const std::map<std::string, Range>& Ranges() {
       {"ppo.entropy_coefficient_final", {0, kUnbounded}},
       {"ppo.max_gradient_norm", {0, kUnbounded, true}},
       {"ppo.kl_stop", {0, kUnbounded}},
+      {"ppo.success_reward", {0, 1e6}},
       {"collection.episodes_per_update", {1, 10000}},
       {"collection.overlap", {0, 1}},
       {"collection.check_share", {0, 1, true}},

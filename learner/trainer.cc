@@ -9,6 +9,7 @@
 
 #include "common/random.h"
 #include "learner/initialise.h"
+#include "learner/learning_reward.h"
 #include "learner/minibatch_step.h"
 #include "learner/running_statistics.h"
 #include "learner/training_batch.h"
@@ -124,7 +125,7 @@ struct Trainer::Impl {
     for (const Episode& episode : batch) {
       double sum = 0;
       discounted.clear();
-      for (const float reward : episode.reward) {
+      for (const float reward : LearningReward(episode, config.ppo())) {
         sum = config.ppo().discount() * sum + reward;
         discounted.push_back(float(sum));
       }

@@ -7,6 +7,7 @@
 #include "common/head_schedule.h"
 #include "common/network_input.h"
 #include "learner/gae.h"
+#include "learner/learning_reward.h"
 #include "learner/mlp.h"
 
 namespace metronome {
@@ -72,7 +73,7 @@ class Builder {
     const float* parameters = source_.parameters + ActorLayout(shape_).size;
     const Eigen::MatrixXf& value = critic.Forward(parameters, input, ValueRuns(runs, shape_));
     std::vector<float> values(value.data(), value.data() + horizon_);
-    std::vector<float> rewards = episode.reward;
+    std::vector<float> rewards = LearningReward(episode, source_.config.ppo());
     for (float& reward : rewards) reward /= source_.reward_scale;
     const bool absorbing = (episode.flags.back() & kStepTerminated) != 0;
     const PpoConfig& ppo = source_.config.ppo();

@@ -23,6 +23,7 @@ class Look:
 ARMS = {
     "multihead": Look("multi-head", BLUE),
     "correlated": Look("multi-head, k = 10, correlated noise", ORANGE),
+    "success-reward": Look("multi-head, k = 10, success rewarded", PURPLE),
     "ppo": Look("PPO", VERMILION),
     "ppo-time": Look("PPO + time", GREEN),
     "ppo-matched": Look("PPO, equal parameter count", ORANGE),

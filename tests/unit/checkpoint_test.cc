@@ -130,7 +130,7 @@ TEST(CheckpointTest, AnotherFormatSaysWhich) {
   for (const std::uint32_t format : {0U, 9U}) {
     EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), format)),
               "x.ckpt: checkpoint format " + std::to_string(format) +
-                  ", this build reads formats 1 to 3");
+                  ", this build reads formats 1 to 4");
   }
 }
 
@@ -143,9 +143,17 @@ void ExpectToGoOnAs(const Checkpoint& whole, const Checkpoint& old, std::uint32_
 }
 
 // Old files are without what their format did not know.
+TEST(CheckpointTest, AFileOfFormat3GoesOnWithTheOfficialReward) {
+  const Checkpoint whole = SmallCheckpoint();
+  Checkpoint old = whole;
+  old.config.mutable_ppo()->clear_success_reward();
+  ExpectToGoOnAs(whole, old, 3);
+}
+
 TEST(CheckpointTest, AFileOfFormat2GoesOnWithWhiteNoise) {
   const Checkpoint whole = SmallCheckpoint();
   Checkpoint old = whole;
+  old.config.mutable_ppo()->clear_success_reward();
   old.config.mutable_policy()->clear_noise_correlation();
   ExpectToGoOnAs(whole, old, 2);
 }
@@ -156,6 +164,7 @@ TEST(CheckpointTest, AFileOfFormat1GoesOnAsBlocksWithSeparateCriticHeads) {
   old.config.mutable_policy()->clear_schedule();
   old.config.mutable_policy()->clear_critic_heads();
   old.config.mutable_policy()->clear_noise_correlation();
+  old.config.mutable_ppo()->clear_success_reward();
   ExpectToGoOnAs(whole, old, 1);
 }
 

@@ -268,6 +268,7 @@ TEST(ValidateTest, EachNumberHasItsRange) {
       {"ppo.entropy_coefficient_final", {"-1", "inf"}, {"0"}},
       {"ppo.max_gradient_norm", {"0", "nan"}, {"1"}},
       {"ppo.kl_stop", {"-1", "nan"}, {"0"}},
+      {"ppo.success_reward", {"-1", "nan", "inf", "1000001"}, {"0", "10"}},
       {"collection.episodes_per_update", {"0", "-16", "10001"}, {"2", "10000"}},
       {"collection.overlap", {"-1", "2"}, {"0", "1"}},
       {"collection.check_share", {"0", "1.5", "nan"}, {"0.01", "1"}},

@@ -81,6 +81,24 @@ TEST(TrainerTest, LearnsWhatTheRewardAsksFor) {
   EXPECT_GT(returns.back(), returns.front() + 5);
 }
 
+TEST(TrainerTest, LearnsFromTheRewardOfSuccessAndReportsWithoutIt) {
+  const RunConfig config = SmallConfig();
+  RunConfig rewarded = config;
+  rewarded.mutable_ppo()->set_success_reward(10);
+  Trainer by_setting(rewarded, Trainer::InitialState(rewarded), 1);
+  Trainer by_hand(config, Trainer::InitialState(config), 1);
+  std::vector<Episode> episodes = SyntheticBatch(config, SnapshotOf(by_hand.state(), config), 0);
+  const UpdateReport report = by_setting.Update(episodes);
+  const double official =
+      Trainer(config, Trainer::InitialState(config), 1).Update(episodes).mean_return;
+  for (const int number : {0, 3, 6, 9}) episodes[std::size_t(number)].reward[5] += 10;
+  const UpdateReport report_by_hand = by_hand.Update(episodes);
+  EXPECT_EQ(by_setting.state(), by_hand.state());
+  EXPECT_DOUBLE_EQ(report.reward_scale, report_by_hand.reward_scale);
+  EXPECT_DOUBLE_EQ(report.mean_return, official);
+  EXPECT_NEAR(report_by_hand.mean_return, official + 4, 1e-5);
+}
+
 TEST(TrainerTest, CountsVersionsStepsAndEpisodes) {
   const RunConfig config = SmallConfig();
   Trainer trainer(config, Trainer::InitialState(config), 1);
