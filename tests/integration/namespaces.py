@@ -35,7 +35,8 @@ class Namespace:
 
     def command(self, *command):
         """@return what to execute, so that `command` runs inside (as the same process id)."""
-        return ["ip", "netns", "exec", self.name, *map(str, command)]
+        # Not `ip netns exec`: that remounts /sys, which a container's or a chroot's / does not allow.
+        return ["nsenter", f"--net=/run/netns/{self.name}", *map(str, command)]
 
     def run(self, *command):
         return _run(*self.command(*command))
