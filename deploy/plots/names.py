@@ -25,7 +25,7 @@ ARMS = {
     "correlated": Look("multi-head, k = 10, correlated noise", ORANGE),
     "success-reward": Look("multi-head, k = 10, success rewarded by 10", PURPLE),
     "success-reward-25": Look("multi-head, k = 10, success rewarded by 25", GREEN),
-    "one-configuration": Look("multi-head, k = 10, as on assembly", GREEN),
+    "one-configuration": Look("multi-head, k = 10, as on assembly", SKY),
     "ppo-success-reward-25": Look("PPO, success rewarded by 25", VERMILION),
     "ppo": Look("PPO", VERMILION),
     "ppo-time": Look("PPO + time", GREEN),
