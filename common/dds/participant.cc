@@ -146,6 +146,7 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
     if (options.transport == Transport::kTcp) {
       const auto mend = FindsLearnersAlone(role) ? CutMuteConnections : EndSilentConnections;
       mend(TcpPort(options));
+      if (!FindsLearnersAlone(role)) listens_on_ = TcpPort(options);
     }
     Check(participant_->register_content_filter_factory(ActorFilterFactory::kClassName,
                                                         ActorFilterFactory::Get()),
@@ -167,6 +168,7 @@ Participant::~Participant() { DeleteAll(); }
 void Participant::DeleteAll() {
   if (discovery_) discovery_->Stop();
   participant_->delete_contained_entities();
+  if (listens_on_) EndConnections(*listens_on_);
   fdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
 

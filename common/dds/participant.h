@@ -74,6 +74,7 @@ class Participant {
   std::optional<DiscoveryClient> discovery_;  // with Discovery Servers; outlives the participant
   std::optional<SharedMemoryNote> memory_;    // outlives the participant, of whose files it tells
   std::shared_ptr<Traffic> traffic_ = std::make_shared<Traffic>();
+  std::optional<std::uint16_t> listens_on_;  // with TCP, the learner's port
   fdds::DomainParticipant* participant_ = nullptr;
   fdds::Publisher* publisher_ = nullptr;
   fdds::Subscriber* subscriber_ = nullptr;

@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <chrono>
@@ -15,8 +16,10 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -33,6 +36,8 @@ constexpr const char* kAnyAddress = "0.0.0.0";
 constexpr const char* kNoAddress = "0.0.0.1";
 constexpr std::chrono::milliseconds kMuteFor{300};
 constexpr std::chrono::milliseconds kMutePoll{5};
+constexpr std::chrono::seconds kEndFor{2};
+constexpr std::chrono::milliseconds kEndPoll{2};
 
 std::string LearnerAddress(const Network& network) {
   return network.scope == Network::Scope::kPeers ? network.peers.front().address : kLoopbackAddress;
@@ -125,6 +130,18 @@ bool IsConnectedTo(int descriptor, std::uint16_t port) {
   return PortOf(descriptor, getpeername) == port;
 }
 
+/// Which sockets this process has open, whatever their descriptors.
+std::set<std::string> Sockets(const std::vector<int>& descriptors) {
+  std::set<std::string> sockets;
+  for (const int descriptor : descriptors) {
+    std::error_code error;  // a descriptor that was closed meanwhile
+    const auto target =
+        std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor), error);
+    if (!error) sockets.insert(target);
+  }
+  return sockets;
+}
+
 /// Whether something came in answer to our first message and we said nothing since.
 bool IsMute(int descriptor) {
   tcp_info info{};
@@ -208,6 +225,30 @@ void EndSilentConnections(std::uint16_t port) {
 void CutMuteConnections(std::uint16_t port) {
   for (const int descriptor : Descriptors()) {
     if (IsConnectedTo(descriptor, port) && StaysMute(descriptor)) shutdown(descriptor, SHUT_RDWR);
+  }
+}
+
+void EndConnections(std::uint16_t port) {
+  for (const int descriptor : Descriptors()) {
+    if (ListensOn(descriptor, port)) shutdown(descriptor, SHUT_RDWR);  // nobody else comes in
+  }
+  std::vector<int> connected;
+  for (const int descriptor : Descriptors()) {
+    const bool is_accepted =
+        PortOf(descriptor, getsockname) == port && PortOf(descriptor, getpeername);
+    if (is_accepted || IsConnectedTo(descriptor, port)) connected.push_back(descriptor);
+  }
+  const auto ended = Sockets(connected);
+  for (const int descriptor : connected) shutdown(descriptor, SHUT_RDWR);
+  // The thread that reads a socket closes it when it is done with what came last.
+  const auto any_left = [&ended] {
+    const auto open = Sockets(Descriptors());
+    return std::any_of(ended.begin(), ended.end(),
+                       [&open](const std::string& socket) { return open.count(socket) != 0; });
+  };
+  const auto deadline = std::chrono::steady_clock::now() + kEndFor;
+  while (any_left() && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(kEndPoll);
   }
 }
 

@@ -150,7 +150,14 @@ class Process:
         return "\n".join(self.lines)
 
     def __str__(self):
-        return f"{' '.join(self.command)}\nexit code {self.child.poll()}\n" + self.text
+        return self._head() + self.text
+
+    def ending(self, lines=30):
+        """As __str__, with the last lines alone."""
+        return self._head() + "\n".join(self.lines[-lines:])
+
+    def _head(self):
+        return f"{' '.join(self.command)}\nexit code {self.child.poll()}\n"
 
 
 def parse_json(line):
@@ -253,5 +260,7 @@ class Stage:
                 (note.parent / name).unlink(missing_ok=True)
             note.unlink(missing_ok=True)
         self._claim.close()
+        for process in self.processes:  # pytest shows it if the test failed
+            print(process.ending())
         found = [str(process) for process in self.processes if "Sanitizer:" in process.text]
         assert not found, "\n\n".join(found)

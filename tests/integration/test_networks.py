@@ -213,23 +213,42 @@ def test_over_tcp_nothing_is_needed_towards_the_actors(stage, network):
         router.run("nft", "delete", "table", "ip", "nat")
 
 
-class HeldUp:
-    """Processes whose first connecting thread is held up until the learner has answered."""
+class Preloaded:
+    """Processes before whose Fast DDS stands a library of this folder."""
+
+    def __init__(self, library):
+        self.library = BUILD / "tests" / "integration" / f"lib{library}.so"
 
     def process(self, *command):
-        return ("env", f"LD_PRELOAD={BUILD / 'tests' / 'integration' / 'liblate_port.so'}", *command)
+        return ("env", f"LD_PRELOAD={self.library}", *command)
 
 
 def test_over_tcp_a_learner_that_answers_at_once_is_heard(stage):
     loopback = ("--transport", "tcp")
     learner = stage.learner("run", *loopback, small=ENDLESS)
     learner.expect_event("started")
-    actor = stage.actor("run", *loopback, host=HeldUp())
-    status = stage.status("run", *loopback, host=HeldUp())
+    # Their first connecting thread is held up until the learner has answered.
+    held_up = Preloaded("late_port")
+    actor = stage.actor("run", *loopback, host=held_up)
+    status = stage.status("run", *loopback, host=held_up)
     for process in (actor, status):
         process.expect_text("held up between connecting and noting the port")
     actor.expect_text("joined run", seconds=AT_ONCE)
     assert status.wait(AT_ONCE) == 0, status
+
+
+def test_over_tcp_a_learner_that_ends_has_no_connections_left(stage):
+    loopback = ("--transport", "tcp")
+    learner = stage.learner("run", *loopback, small=ENDLESS, host=Preloaded("connections_left"))
+    learner.expect_event("started")
+    team = [stage.actor("run", *loopback) for _ in range(3)]
+    for actor in team:
+        actor.expect_text("joined run")
+    learner.signal(signal.SIGINT)
+    assert learner.wait(20) == 130, learner
+    learner.expect_text("0 connections at the end", seconds=1)
+    for actor in team:
+        actor.expect_text("is gone", seconds=LEASE)
 
 
 def test_over_tcp_an_actor_that_is_cut_off_holds_nobody_up(stage, network):
