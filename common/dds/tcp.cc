@@ -36,7 +36,7 @@ constexpr const char* kAnyAddress = "0.0.0.0";
 constexpr const char* kNoAddress = "0.0.0.1";
 constexpr std::chrono::milliseconds kMuteFor{300};
 constexpr std::chrono::milliseconds kMutePoll{5};
-constexpr std::chrono::seconds kEndFor{2};
+constexpr std::chrono::seconds kEndFor{5};
 constexpr std::chrono::milliseconds kEndPoll{2};
 
 std::string LearnerAddress(const Network& network) {

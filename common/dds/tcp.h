@@ -38,7 +38,8 @@ void CutMuteConnections(std::uint16_t port);
 /// read something, the second one writes to what was deleted when the first was done
 /// (TCPTransportInterface::CloseInputChannel, perform_listen_operation), and the heap is spoiled;
 /// seen twice in 10 ends with eight actors. So the port and its connections are closed first, and
-/// their threads are waited for, 2 s at most.
+/// their threads are waited for, which takes milliseconds; 5 s at most, since one socket was once
+/// not closed by Fast DDS (under valgrind).
 void EndConnections(std::uint16_t port);
 
 }  // namespace metronome::dds
