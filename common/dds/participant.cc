@@ -144,9 +144,13 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
   if (memory_) memory_->Write();
   try {
     if (options.transport == Transport::kTcp) {
-      const auto mend = FindsLearnersAlone(role) ? CutMuteConnections : EndSilentConnections;
-      mend(TcpPort(options));
-      if (!FindsLearnersAlone(role)) listens_on_ = TcpPort(options);
+      const auto port = TcpPort(options);
+      if (FindsLearnersAlone(role)) {
+        CutMuteConnections(port);
+      } else {
+        EndSilentConnections(port);
+        listens_on_ = port;
+      }
     }
     Check(participant_->register_content_filter_factory(ActorFilterFactory::kClassName,
                                                         ActorFilterFactory::Get()),

@@ -16,11 +16,11 @@
 #include <memory>
 #include <optional>
 #include <random>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "common/dds/participant_qos.h"
@@ -130,16 +130,13 @@ bool IsConnectedTo(int descriptor, std::uint16_t port) {
   return PortOf(descriptor, getpeername) == port;
 }
 
-/// Which sockets this process has open, whatever their descriptors.
-std::set<std::string> Sockets(const std::vector<int>& descriptors) {
-  std::set<std::string> sockets;
-  for (const int descriptor : descriptors) {
-    std::error_code error;  // a descriptor that was closed meanwhile
-    const auto target =
-        std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor), error);
-    if (!error) sockets.insert(target);
-  }
-  return sockets;
+/// The socket that a descriptor stands for, under a name that no other open one has; std::nullopt
+/// if it was closed meanwhile.
+std::optional<std::string> SocketOf(int descriptor) {
+  std::error_code error;
+  const auto target =
+      std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor), error);
+  return error ? std::nullopt : std::optional(target.string());
 }
 
 /// Whether something came in answer to our first message and we said nothing since.
@@ -232,22 +229,19 @@ void EndConnections(std::uint16_t port) {
   for (const int descriptor : Descriptors()) {
     if (ListensOn(descriptor, port)) shutdown(descriptor, SHUT_RDWR);  // nobody else comes in
   }
-  std::vector<int> connected;
+  std::vector<std::pair<int, std::string>> ended;
   for (const int descriptor : Descriptors()) {
     const bool is_accepted =
         PortOf(descriptor, getsockname) == port && PortOf(descriptor, getpeername);
-    if (is_accepted || IsConnectedTo(descriptor, port)) connected.push_back(descriptor);
+    if (!is_accepted && !IsConnectedTo(descriptor, port)) continue;
+    if (const auto socket = SocketOf(descriptor)) ended.emplace_back(descriptor, *socket);
+    shutdown(descriptor, SHUT_RDWR);
   }
-  const auto ended = Sockets(connected);
-  for (const int descriptor : connected) shutdown(descriptor, SHUT_RDWR);
   // The thread that reads a socket closes it when it is done with what came last.
-  const auto any_left = [&ended] {
-    const auto open = Sockets(Descriptors());
-    return std::any_of(ended.begin(), ended.end(),
-                       [&open](const std::string& socket) { return open.count(socket) != 0; });
-  };
+  const auto is_open = [](const auto& socket) { return SocketOf(socket.first) == socket.second; };
   const auto deadline = std::chrono::steady_clock::now() + kEndFor;
-  while (any_left() && std::chrono::steady_clock::now() < deadline) {
+  while (std::any_of(ended.begin(), ended.end(), is_open) &&
+         std::chrono::steady_clock::now() < deadline) {
     std::this_thread::sleep_for(kEndPoll);
   }
 }

@@ -40,6 +40,6 @@ bool CloseInputChannel(void* transport, const void* locator) __asm__(CLOSE_INPUT
 bool CloseInputChannel(void* transport, const void* locator) {
   static const auto real =
       reinterpret_cast<decltype(&CloseInputChannel)>(dlsym(RTLD_NEXT, CLOSE_INPUT_CHANNEL));
-  std::cerr << Connections() << " connections at the end" << std::endl;
+  std::cerr << "connections at the end: " << Connections() << std::endl;
   return real(transport, locator);
 }
