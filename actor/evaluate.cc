@@ -71,7 +71,7 @@ Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
       const auto environment = metaworld::MakeEnvironment(task, environment_options);
       for (std::size_t i = next++; i < evaluation.episodes.size(); i = next++) {
         evaluation.episodes[i] =
-            PlayDeterministic(config, snapshot, {RandomPurpose::kEvaluate, options.seed, i},
+            PlayDeterministic(config, snapshot, EvaluationSchedule(options, config, i),
                               EvaluationPlacement(options, task, i), *environment);
       }
     } catch (...) {
@@ -91,13 +91,23 @@ Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
   return evaluation;
 }
 
+// Before scenes are loaded, and naming the option.
+void RequireOrderFits(const EvaluateOptions& options, const RunConfig& config) {
+  try {
+    EvaluationSchedule(options, config, 0);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("--head-order: " + std::string(error.what()));
+  }
+}
+
 void PrintJson(const Evaluation& evaluation, const Checkpoint& checkpoint, const std::string& task,
-               std::ostream& out) {
+               const std::vector<std::uint32_t>& head_order, std::ostream& out) {
   nlohmann::ordered_json json;
   json["task"] = task;
   json["version"] = checkpoint.state.version;
   json["steps"] = checkpoint.state.steps;
   json["episodes"] = evaluation.episodes.size();
+  if (!head_order.empty()) json["head_order"] = head_order;
   json["success"] = evaluation.success;
   json["success_low"] = evaluation.success_low;
   json["success_high"] = evaluation.success_high;
@@ -111,11 +121,16 @@ void PrintJson(const Evaluation& evaluation, const Checkpoint& checkpoint, const
 }
 
 void PrintText(const Evaluation& evaluation, const Checkpoint& checkpoint, const std::string& task,
-               std::ostream& out) {
+               const std::vector<std::uint32_t>& head_order, std::ostream& out) {
   out << task << ", weights version " << checkpoint.state.version << " (" << checkpoint.state.steps
       << " steps), " << evaluation.episodes.size() << " episodes, mean action, " << EngineName()
-      << '\n'
-      << "success      " << evaluation.success << "  (95 % interval " << evaluation.success_low
+      << '\n';
+  if (!head_order.empty()) {
+    out << "heads by block";
+    for (const std::uint32_t head : head_order) out << ' ' << head;
+    out << '\n';
+  }
+  out << "success      " << evaluation.success << "  (95 % interval " << evaluation.success_low
       << " to " << evaluation.success_high << ")\n"
       << "success_end  " << evaluation.success_end << '\n'
       << "return       " << evaluation.mean_return << '\n';
@@ -179,17 +194,23 @@ metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const std
   return metaworld::DrawPlacement(spec, stream);
 }
 
+HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
+                                std::uint64_t index) {
+  if (!options.head_order.empty()) return {config, options.head_order};
+  return {config, EpisodeKey{RandomPurpose::kEvaluate, options.seed, index}};
+}
+
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
-                                   const EpisodeKey& episode, const metaworld::RandVec& placement,
+                                   const HeadSchedule& schedule,
+                                   const metaworld::RandVec& placement,
                                    metaworld::Environment& environment, const StepWatcher& watch) {
   Policy policy(config, snapshot);
-  const HeadSchedule schedule(config, episode);
   EvaluatedEpisode result;
   metaworld::StepResult start;
   start.observation = environment.Reset(placement);
   if (watch) watch(0, start);
   Float39 observation = AsPolicySees(start.observation);
-  for (std::int32_t t = 0; t < config.environment().horizon(); ++t) {
+  for (std::int32_t t = 0; t < schedule.horizon(); ++t) {
     const metaworld::StepResult step =
         environment.Step(policy.Mean(schedule, observation.data(), t));
     if (watch) watch(t + 1, step);
@@ -208,12 +229,15 @@ int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream&
     const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
     const RunConfig config = ConfigToEvaluate(checkpoint, options.task, err);
     const std::string& task = config.environment().task();
+    RequireOrderFits(options, config);
     const Evaluation evaluation = PlayAll(options, config, SnapshotOf(checkpoint.state, config));
     if (options.json) {
-      PrintJson(evaluation, checkpoint, task, out);
+      PrintJson(evaluation, checkpoint, task, options.head_order, out);
     } else {
-      PrintText(evaluation, checkpoint, task, out);
+      PrintText(evaluation, checkpoint, task, options.head_order, out);
     }
+    out << std::flush;
+    if (!out) throw std::runtime_error("cannot write the result to standard output");
     return 0;
   } catch (const std::invalid_argument& error) {
     err << "error: " << error.what() << '\n';

@@ -20,7 +20,8 @@ struct EvaluateOptions {
   std::string task;  // any accepted spelling; empty: the checkpoint's
   std::int32_t episodes = 50;
   std::uint64_t seed = 1;
-  std::string placements = "random";  // random | mt1
+  std::string placements = "random";      // random | mt1
+  std::vector<std::uint32_t> head_order;  // [k], who acts in each block; empty: as in training
   bool json = false;
   std::int32_t threads = 0;  // 0: all cores; never changes the result
   std::string assets;        // folder of the scene files; empty: the default
@@ -62,14 +63,20 @@ void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, do
 metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const std::string& task,
                                        std::uint64_t index);
 
+/// Who acts when in evaluation episode `index`: the policy's own schedule, in the evaluation's own
+/// streams, or `options.head_order`. @throws std::invalid_argument if the policy has no such order.
+HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
+                                std::uint64_t index);
+
 /// Called after the reset, with t = 0 and nothing but its observation, and after each step, with
 /// the number t of steps taken so far and what the last of them returned.
 using StepWatcher = std::function<void(std::int32_t t, const metaworld::StepResult& step)>;
 
 /// Plays one episode with the mean action at every step.
-/// @param episode  of the evaluation: {kEvaluate, its seed, the index}.
+/// @param schedule  of the episode: T steps, k heads.
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
-                                   const EpisodeKey& episode, const metaworld::RandVec& placement,
+                                   const HeadSchedule& schedule,
+                                   const metaworld::RandVec& placement,
                                    metaworld::Environment& environment,
                                    const StepWatcher& watch = {});
 

@@ -150,6 +150,12 @@ void AddEvaluate(CLI::App& app, Typed& typed) {
                    "random: fresh ones; mt1: the official benchmark's 50")
       ->check(OneOf("placements", {"random", "mt1"}))
       ->capture_default_str();
+  evaluate
+      ->add_option("--head-order", options.head_order,
+                   "Which head acts in each of the k blocks of time, e.g. 0,1,1,3 for k = 4 "
+                   "[as in training]")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   evaluate->add_option("--threads", options.threads, "Episodes at once; 0: as many as cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

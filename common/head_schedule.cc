@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace metronome {
 
@@ -9,7 +10,7 @@ EpisodeKey TrainingEpisode(const RunConfig& config, std::uint64_t number) {
   return {RandomPurpose::kTrain, config.seed(), number};
 }
 
-HeadSchedule::HeadSchedule(const RunConfig& config, const EpisodeKey& episode)
+HeadSchedule::HeadSchedule(const RunConfig& config)
     : heads_(config.policy().heads()),
       horizon_(config.environment().horizon()),
       interleaved_(config.policy().schedule() == SCHEDULE_INTERLEAVED) {
@@ -18,11 +19,32 @@ HeadSchedule::HeadSchedule(const RunConfig& config, const EpisodeKey& episode)
                                 " must be at least 1 and at most the horizon of " +
                                 std::to_string(horizon_) + " steps");
   }
+}
+
+HeadSchedule::HeadSchedule(const RunConfig& config, const EpisodeKey& episode)
+    : HeadSchedule(config) {
   if (config.policy().schedule() == SCHEDULE_SHUFFLED) {
     order_ = Permutation(static_cast<std::uint32_t>(heads_),
                          {RandomPurpose::kHeadOrder, episode.seed, episode.number,
                           static_cast<std::uint64_t>(episode.purpose)});
   }
+}
+
+HeadSchedule::HeadSchedule(const RunConfig& config, std::vector<std::uint32_t> order)
+    : HeadSchedule(config) {
+  if (interleaved_) {
+    throw std::invalid_argument("interleaved heads have no blocks whose order could differ");
+  }
+  if (order.size() != static_cast<std::size_t>(heads_)) {
+    throw std::invalid_argument(std::to_string(order.size()) + " heads for the policy's " +
+                                std::to_string(heads_) + " blocks of time");
+  }
+  for (const std::uint32_t head : order) {
+    if (head < static_cast<std::uint32_t>(heads_)) continue;
+    throw std::invalid_argument("no head " + std::to_string(head) + ": the policy has 0 to " +
+                                std::to_string(heads_ - 1));
+  }
+  order_ = std::move(order);
 }
 
 std::int32_t HeadSchedule::HeadAt(std::int32_t t) const {

@@ -28,11 +28,19 @@ EpisodeKey TrainingEpisode(const RunConfig& config, std::uint64_t number);
 /// - SCHEDULE_SHUFFLED: the same blocks; block b belongs to head order[b], a uniform permutation
 ///   drawn from the stream {kHeadOrder, seed, number, purpose} of the episode's key.
 ///
+/// An evaluation may also say itself which head gets which block.
+///
 /// Immutable, hence thread-safe.
 class HeadSchedule {
  public:
   /// @param config  resolved. @throws std::invalid_argument unless 1 <= policy.heads <= T.
   HeadSchedule(const RunConfig& config, const EpisodeKey& episode);
+
+  /// As in blocks, but block b belongs to head order[b]. A head may have several, or none.
+  /// @param order  [k], heads. @throws std::invalid_argument if it has another size or a head
+  /// outside
+  ///               [0, k), if heads are interleaved, and as above.
+  HeadSchedule(const RunConfig& config, std::vector<std::uint32_t> order);
 
   /// @param t  environment steps taken since reset, in [0, T).
   /// @return   head in [0, k).
@@ -48,6 +56,8 @@ class HeadSchedule {
   [[nodiscard]] std::int32_t horizon() const { return horizon_; }
 
  private:
+  explicit HeadSchedule(const RunConfig& config);
+
   std::int32_t heads_;
   std::int32_t horizon_;
   bool interleaved_;

@@ -32,7 +32,7 @@ EpisodePath FollowEpisode(const RunConfig& config, const PolicySnapshot& snapsho
     point.success = step.info.success;
     path.points.push_back(std::move(point));
   };
-  path.outcome = PlayDeterministic(config, snapshot, episode, placement, environment, watch);
+  path.outcome = PlayDeterministic(config, snapshot, schedule, placement, environment, watch);
   return path;
 }
 

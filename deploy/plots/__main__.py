@@ -13,11 +13,12 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 
 import cells  # noqa: E402
+import exchange  # noqa: E402
 import policies  # noqa: E402
 import scores  # noqa: E402
 import style  # noqa: E402
 import tables  # noqa: E402
-from draw import controls, efficiency, final, heads, learning  # noqa: E402
+from draw import blocks, controls, efficiency, final, heads, learning  # noqa: E402
 from names import arms_of, tasks_of  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -26,6 +27,9 @@ FIGURES = {
     "final": final.final, "heads": heads.heads, "controls": controls.controls,
     "efficiency": efficiency.efficiency, "wallclock": learning.wallclock, "solve": learning.solve,
 }
+# Both a figure and a table, of policies instead of runs.
+EXCHANGE = "exchange"
+NAMES = (*FIGURES, EXCHANGE, *policies.NAMES)
 # Experiments whose curves have figures of their own; all others get NAME-curves.
 _OWN_CURVES = ("main", "solve")
 
@@ -38,7 +42,7 @@ def parse_arguments():
     parser.add_argument("--out", type=Path, metavar="DIR", help="where to write (default RESULTS/figures)")
     parser.add_argument("--only", action="append", metavar="NAME",
                         help="only this figure, without tables; may be repeated: "
-                             + ", ".join((*FIGURES, *policies.NAMES)) + ", EXPERIMENT-curves")
+                             + ", ".join(NAMES) + ", EXPERIMENT-curves")
     parser.add_argument("--videos", action="store_true",
                         help="a video of each committed policy too (a minute each)")
     parser.add_argument("--format", choices=("png", "svg", "pdf"), default="png", help="of the images (default png)")
@@ -50,10 +54,11 @@ def parse_arguments():
     return parser, options
 
 
-def drawings(experiments):
+def drawings(experiments, exchanges):
     """Name to drawing function of every figure that there may be."""
     others = [name for name in experiments if name not in _OWN_CURVES]
-    return FIGURES | {f"{name}-curves": lambda found, name=name: learning.every_curve(found, name)
+    own = FIGURES | {EXCHANGE: lambda _: blocks.exchange(exchanges)}
+    return own | {f"{name}-curves": lambda found, name=name: learning.every_curve(found, name)
                       for name in others}
 
 
@@ -139,7 +144,7 @@ def write_page(path, experiments, captions, made, suffix):
 def unknown_mark(page):
     """@return a mark of the page that nothing would ever fill, or None."""
     for kind, name in re.findall(r"<!-- (table|figure) (.*?) -->", page.read_text(encoding="utf-8")):
-        known = tables.TABLES if kind == "table" else (*FIGURES, *policies.NAMES)
+        known = (*tables.TABLES, EXCHANGE) if kind == "table" else NAMES
         if name not in known and not (kind == "figure" and name.endswith("-curves")):
             return f"<!-- {kind} {name} -->"
     return None
@@ -169,13 +174,14 @@ def main():
         parser.error(f"--page: there is no file {options.page}")
     if options.page and unknown_mark(options.page):
         parser.error(f"--page: {options.page} has {unknown_mark(options.page)}; there are figures "
-                     f"{', '.join(FIGURES)}, EXPERIMENT-curves, and tables {', '.join(tables.TABLES)}")
+                     f"{', '.join(NAMES)}, EXPERIMENT-curves, and tables {', '.join((*tables.TABLES, EXCHANGE))}")
     try:
         experiments, unfinished = cells.read_results(options.results)
+        exchanges = exchange.found(options.results)
     except cells.ResultsError as error:
         print(f"deploy/figures: {error}", file=sys.stderr)
         return 2
-    wanted = drawings(experiments)
+    wanted = drawings(experiments, exchanges)
     unknown = [name for name in options.only or [] if name not in (*wanted, *policies.NAMES)]
     if unknown:
         parser.error(f"--only: no figure '{unknown[0]}'; there are: {', '.join((*wanted, *policies.NAMES))}")
@@ -194,6 +200,7 @@ def main():
     made = {}
     if not options.only:
         made = {name: table(experiments) for name, table in tables.TABLES.items()}
+        made[EXCHANGE] = tables.exchanges(exchanges)
         made = {name: table for name, table in made.items() if table is not None}
         write_page(options.out / "README.md", experiments, captions, made, options.format)
     if options.page:

@@ -14,6 +14,7 @@ INTERVAL = (f"Intervals: 95 %, stratified bootstrap, {estimates.RESAMPLES} resam
             f"\"too few\" stands where there are fewer than {estimates.FEWEST} seeds.")
 MEANING = ("Under noise: mean of the last 10 updates of a run; deterministic: its last evaluation "
            "(mean action, random placements that no training run draws).")
+NEEDED = 0.9  # of the policy's own return
 TEST = ("p: two-sided permutation test of the difference of means, exact (all splits of the runs between "
         "the arms) up to 9 seeds an arm; with 5 and 5 seeds the smallest possible is 0.008. Not corrected for "
         "the number of rows.")
@@ -291,6 +292,31 @@ def engine_differences(experiments):
 def solve(experiments):
     cells = experiments.get("solve", [])
     return _ends(cells) if cells else None
+
+
+def exchanges(found):
+    """@param found  task to exchange.Exchange."""
+    if not found:
+        return None
+    rows = []
+    for task, policy in found.items():
+        row = [task]
+        for values, share in ((policy.success, True), (policy.success_end, True), (policy.returns, False)):
+            others, own = policy.of_others(values)
+            row += [_value(own, share), _value(others.mean(), share), _value(values[-1].max(), share)]
+        # Of a block, the best of the other heads: what no other head makes up for.
+        others, own = policy.of_others(policy.returns)
+        needed = [block for block, best in enumerate(others.max(axis=1)) if best < NEEDED * own]
+        free = [block for block, worst in enumerate(others.min(axis=1)) if worst >= NEEDED * own]
+        rows.append([*row, ", ".join(map(str, needed)) or "–", ", ".join(map(str, free)) or "–"])
+    header = [" task"]
+    for score in ("success", "at the last step", "return"):
+        header += [score, "exchanged", "one head"]
+    header += [" blocks that need their head", " blocks that do not"]
+    return _table(header, rows) + (
+        "\n\nThe committed policies as they are; with one block of time given to another head, the mean over all k (k - 1) "
+        "such exchanges; and with one head in all blocks, the best of the k. A block needs its head where each other "
+        f"head brings less than {NEEDED:.0%} of the policy's own return, and does not where each brings more.")
 
 
 TABLES = {"final": final, "improvement": improvement, "differences": differences,

@@ -87,3 +87,12 @@ def everything(results):
             cell(results, "solve", task, "multihead", seed, level=0.97, updates=200,
                  steps_per_update=50000, evaluations=20)
     cell(results, "other", "reach", "some-arm", 1)
+
+
+def exchange(results, task, returns):
+    """@param returns  order of heads to mean return."""
+    (results / "exchange").mkdir(parents=True, exist_ok=True)
+    columns = ("order", "success", "success_end", "return", "time_to_success", "episodes", "seed")
+    _write(results / "exchange" / f"{task}.csv", columns, [
+        {"order": order, "success": value / 5000, "success_end": value / 10000, "return": value, "time_to_success": "",
+         "episodes": 50, "seed": 4242} for order, value in returns.items()])

@@ -105,7 +105,7 @@ EvaluatedEpisode PlayWithSuccessesAt(std::set<int> steps) {
   snapshot.observation_mean.resize(kObservationSize);
   snapshot.observation_inv_std.resize(kObservationSize);
   ScriptedEnvironment environment(std::move(steps));
-  return PlayDeterministic(config, snapshot, {RandomPurpose::kEvaluate, 1, 0}, {}, environment);
+  return PlayDeterministic(config, snapshot, EvaluationSchedule({}, config, 0), {}, environment);
 }
 
 TEST(PlayDeterministicTest, CountsStepsToTheFirstSuccess) {
@@ -175,8 +175,10 @@ TEST(PlayDeterministicTest, HeadsFollowTheScheduleAndTheEvaluationsOwnOrders) {
   RecordingEnvironment environment;
   for (const Schedule schedule : {SCHEDULE_BLOCKS, SCHEDULE_INTERLEAVED, SCHEDULE_SHUFFLED}) {
     const HeadsAsActions policy(schedule);
-    PlayDeterministic(policy.config, policy.snapshot, {RandomPurpose::kEvaluate, 9, 2}, {},
-                      environment);
+    EvaluateOptions options;
+    options.seed = 9;
+    PlayDeterministic(policy.config, policy.snapshot, EvaluationSchedule(options, policy.config, 2),
+                      {}, environment);
     const auto order = Permutation(5, {RandomPurpose::kHeadOrder, 9, 2, 2 /* kEvaluate */});
     const std::vector<std::int32_t> heads = HeadsOf(environment);
     ASSERT_EQ(heads.size(), 40U);
@@ -186,6 +188,22 @@ TEST(PlayDeterministicTest, HeadsFollowTheScheduleAndTheEvaluationsOwnOrders) {
                                 : schedule == SCHEDULE_INTERLEAVED ? t % 5
                                                                    : std::int32_t(order[block]);
       EXPECT_EQ(heads[t], want) << "t=" << t;
+    }
+  }
+}
+
+TEST(PlayDeterministicTest, HeadsFollowTheOrderThatIsAskedFor) {
+  RecordingEnvironment environment;
+  EvaluateOptions options;
+  options.head_order = {4, 1, 1, 3, 0};
+  for (const Schedule schedule : {SCHEDULE_BLOCKS, SCHEDULE_SHUFFLED}) {
+    const HeadsAsActions policy(schedule);
+    PlayDeterministic(policy.config, policy.snapshot, EvaluationSchedule(options, policy.config, 2),
+                      {}, environment);
+    const std::vector<std::int32_t> heads = HeadsOf(environment);
+    ASSERT_EQ(heads.size(), 40U);
+    for (std::size_t t = 0; t < 40; ++t) {
+      EXPECT_EQ(heads[t], std::int32_t(options.head_order[t / 8])) << "t=" << t;
     }
   }
 }

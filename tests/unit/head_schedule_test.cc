@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <set>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -186,6 +187,28 @@ TEST(ShuffledTest, EveryHeadIsAsLikelyInEveryBlock) {
   for (const auto& of_block : counts) {
     for (const int count : of_block) EXPECT_LE(std::abs(count - kEpisodes / 5), 200);
   }
+}
+
+TEST(GivenOrderTest, GivesEachBlockItsHead) {
+  const RunConfig config = Config(SCHEDULE_BLOCKS, 3, 7);  // blocks of 3, 2 and 2 steps
+  EXPECT_EQ(AllOf({config, {2, 0, 2}}), (Heads{2, 2, 2, 0, 0, 2, 2}));
+  EXPECT_EQ(AllOf({config, {0, 1, 2}}), AllOf(Of(SCHEDULE_BLOCKS, 3, 7)));
+}
+
+TEST(GivenOrderTest, IsRefusedWhereItDoesNotFit) {
+  const auto refusal = [](Schedule schedule, std::vector<std::uint32_t> order) -> std::string {
+    try {
+      const HeadSchedule made(Config(schedule, 3, 7), std::move(order));
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  EXPECT_EQ(refusal(SCHEDULE_BLOCKS, {0, 1, 2}), "taken");
+  EXPECT_EQ(refusal(SCHEDULE_SHUFFLED, {0, 1, 2}), "taken");
+  EXPECT_EQ(refusal(SCHEDULE_BLOCKS, {0, 1}), "2 heads for the policy's 3 blocks of time");
+  EXPECT_EQ(refusal(SCHEDULE_BLOCKS, {0, 3, 1}), "no head 3: the policy has 0 to 2");
+  EXPECT_NE(refusal(SCHEDULE_INTERLEAVED, {0, 1, 2}).find("interleaved"), std::string::npos);
 }
 
 }  // namespace

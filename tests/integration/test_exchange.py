@@ -1,0 +1,74 @@
+"""Heads in each other's blocks of time: `evaluate --head-order`, and `deploy/exchange`, which tries them all."""
+
+import csv
+import shutil
+
+import pytest
+
+from harness import ACTOR, BUILD, ROOT
+
+EVALUATE = ("--episodes", 2, "--seed", 4711, "--json")
+
+
+@pytest.fixture(scope="module")
+def checkpoint(module_stage, tmp_path_factory):
+    module_stage.train("two", "--heads", "2")
+    return shutil.copy(module_stage.latest("two"), tmp_path_factory.mktemp("policies") / "two.ckpt")
+
+
+def evaluate(stage, checkpoint, *options):
+    done = stage.start(ACTOR, "evaluate", "--checkpoint", checkpoint, *EVALUATE, *options)
+    assert done.wait() == 0, done
+    return done.json()
+
+
+def exchange(stage, checkpoint, out, *options):
+    return stage.start(ROOT / "deploy" / "exchange", checkpoint, "--out", out, "--episodes", 2, "--seed", 4711,
+                       "--build", BUILD, *options)
+
+
+def rows(out):
+    with open(out / "two.csv", newline="", encoding="utf-8") as file:
+        return {row["order"]: row for row in csv.DictReader(file)}
+
+
+def test_the_trained_order_asked_for_is_the_policy_as_it_is(stage, checkpoint):
+    own = evaluate(stage, checkpoint)
+    assert evaluate(stage, checkpoint, "--head-order", "0,1") == own | {"head_order": [0, 1]}
+    assert evaluate(stage, checkpoint, "--head-order", "1,1")["return"] != own["return"]
+
+
+@pytest.mark.parametrize("order, says", [
+    ("0", "1 heads for the policy's 2 blocks of time"),
+    ("0,2", "no head 2: the policy has 0 to 1"),
+    ("0,-1", "--head-order"),
+])
+def test_an_order_that_the_policy_has_not_is_refused(stage, checkpoint, order, says):
+    refused = stage.start(ACTOR, "evaluate", "--checkpoint", checkpoint, *EVALUATE, f"--head-order={order}")
+    assert refused.wait() == 2, refused
+    assert "--head-order" in refused.text and says in refused.text
+
+
+def test_every_exchange_is_evaluated_once(stage, checkpoint, tmp_path):
+    first = exchange(stage, checkpoint, tmp_path)
+    assert first.wait() == 0, first
+    made = rows(tmp_path)
+    assert list(made) == ["0,1", "1,1", "0,0"]
+    for order, row in made.items():
+        said = evaluate(stage, checkpoint, "--head-order", order)
+        assert [float(row[name]) for name in ("success", "return")] == [said["success"], said["return"]]
+    # Cut, as by an interruption: only what is missing is made again.
+    lines = (tmp_path / "two.csv").read_text().splitlines(keepends=True)
+    (tmp_path / "two.csv").write_text("".join(lines[:-1]))
+    again = exchange(stage, checkpoint, tmp_path)
+    assert again.wait() == 0, again
+    assert rows(tmp_path) == made and again.text.count("success") == 1, again
+
+
+def test_rows_of_another_evaluation_are_not_mixed(stage, checkpoint, tmp_path):
+    assert exchange(stage, checkpoint, tmp_path).wait() == 0
+    before = (tmp_path / "two.csv").read_bytes()
+    other = exchange(stage, checkpoint, tmp_path, "--seed", 1)
+    assert other.wait() == 1, other
+    assert "two.csv has rows of seed 4711, not 1" in other.text
+    assert (tmp_path / "two.csv").read_bytes() == before
