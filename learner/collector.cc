@@ -107,11 +107,17 @@ void Collector::OnEpisode(EpisodeMessage message, TimePoint now) {
     ++stale_;
     return;
   }
+  if (IsBarred(message.actor_id)) {
+    Discard(message.actor_id, "its actor is refused", now);
+    return;
+  }
   const std::uint64_t number = message.episode.number;
   switch (ledger_.StandingOf(number, message.actor_id)) {
     case OrderLedger::Standing::kWanted:
       ledger_.Arrive(number, message.actor_id, now);
-      SendOrders(now);  // first: the freed slot does not wait for the check
+      // First: the freed slot does not wait for the check. But nothing is settled meanwhile, for
+      // what is being checked may be the second answer that a lonely number waits for.
+      SendPlan(now);
       Judge(std::move(message.episode), message.actor_id, now);
       return;
     case OrderLedger::Standing::kDuplicate:
@@ -122,6 +128,11 @@ void Collector::OnEpisode(EpisodeMessage message, TimePoint now) {
               now);
       return;
   }
+}
+
+// An actor that was lost before its host was excluded was not refused itself, and may not be dead.
+bool Collector::IsBarred(std::uint64_t actor_id) const {
+  return ledger_.IsRefused(actor_id) || excluded_.contains(ledger_.HostOf(actor_id));
 }
 
 void Collector::Judge(Episode episode, std::uint64_t actor_id, TimePoint now) {
@@ -296,6 +307,13 @@ std::string Collector::AuditText() const {
 
 std::optional<Collector::TimePoint> Collector::SendOrders(TimePoint now) {
   const std::optional<TimePoint> audit_due = SettleLonely(now);
+  SendPlan(now);
+  const std::optional<TimePoint> ledger_due = ledger_.NextDeadline(now);
+  if (!audit_due || !ledger_due) return audit_due ? audit_due : ledger_due;
+  return std::min(*audit_due, *ledger_due);
+}
+
+void Collector::SendPlan(TimePoint now) {
   for (const Assignment& assignment : ledger_.Plan(now)) {
     EpisodeOrder order;
     order.incarnation = incarnation_;
@@ -310,9 +328,6 @@ std::optional<Collector::TimePoint> Collector::SendOrders(TimePoint now) {
       if (!bus_.Send(order)) ledger_.Lose(assignment.actor_id, now);
     }
   }
-  const std::optional<TimePoint> ledger_due = ledger_.NextDeadline(now);
-  if (!audit_due || !ledger_due) return audit_due ? audit_due : ledger_due;
-  return std::min(*audit_due, *ledger_due);
 }
 
 }  // namespace metronome

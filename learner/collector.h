@@ -43,7 +43,7 @@ class Collector {
   void CountEntered(const std::vector<Episode>& batch);
   void Publish(std::uint64_t version, TimePoint now) { ledger_.Publish(version, now); }
 
-  /// Sends what is due. @return when to call again even if nothing happens.
+  /// Settles and sends what is due. @return when to call again even if nothing happens.
   std::optional<TimePoint> SendOrders(TimePoint now);
 
   [[nodiscard]] bool IsComplete(std::uint64_t batch) const { return ledger_.IsComplete(batch); }
@@ -76,8 +76,10 @@ class Collector {
   void RefuseActor(std::uint64_t actor_id, const std::string& name, const std::string& reason,
                    TimePoint now);
   void SendRefusal(std::uint64_t actor_id, const std::string& reason);
+  [[nodiscard]] bool IsBarred(std::uint64_t actor_id) const;
   void Judge(Episode episode, std::uint64_t actor_id, TimePoint now);
   void Hear(Episode episode, std::uint64_t actor_id, TimePoint now);
+  void SendPlan(TimePoint now);
   std::optional<TimePoint> SettleLonely(TimePoint now);
   void ExcludeHost(const std::string& host, std::uint64_t number, TimePoint now);
   void OnDuplicate(const Episode& episode, std::uint64_t actor_id, TimePoint now);

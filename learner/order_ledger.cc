@@ -91,9 +91,20 @@ void OrderLedger::Publish(std::uint64_t version, TimePoint now) {
   CountIdle(now);
   numbers_.erase(numbers_.begin(), numbers_.lower_bound(version * rules_.episodes_per_update));
   accepted_of_batch_.erase(version_);
-  std::erase_if(host_of_, [this](const auto& actor) { return !actors_.contains(actor.first); });
+  ForgetHosts();
   version_ = version;
   OpenBatches();
+}
+
+// Of those who cannot bring anything any more: a lost actor may, what it was asked for.
+void OrderLedger::ForgetHosts() {
+  std::set<std::uint64_t> asked;
+  for (const auto& entry : numbers_) {
+    asked.insert(entry.second.asked.begin(), entry.second.asked.end());
+  }
+  std::erase_if(host_of_, [&](const auto& actor) {
+    return !actors_.contains(actor.first) && !asked.contains(actor.first);
+  });
 }
 
 OrderLedger::Standing OrderLedger::StandingOf(std::uint64_t number, std::uint64_t actor_id) const {

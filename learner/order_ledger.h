@@ -69,7 +69,7 @@ class OrderLedger {
             TimePoint trusted_from = {});
   /// What it has not brought is open again at once. @return how many orders that were.
   std::size_t Lose(std::uint64_t actor_id, TimePoint now);
-  /// Nothing is ordered from this actor any more.
+  /// Nothing is ordered from this actor any more; the caller drops what it still brings.
   void Refuse(std::uint64_t actor_id, TimePoint now);
   [[nodiscard]] bool IsRefused(std::uint64_t actor_id) const { return refused_.contains(actor_id); }
 
@@ -130,7 +130,7 @@ class OrderLedger {
   };
   [[nodiscard]] std::vector<ActorOrders> OrdersByActor(TimePoint now) const;
 
-  /// Of an actor that is there, or was while this batch is collected.
+  /// Of an actor that is there, or was asked for a number that has not been learnt from.
   [[nodiscard]] const std::string& HostOf(std::uint64_t actor_id) const;
   [[nodiscard]] std::size_t actors() const { return actors_.size(); }
   [[nodiscard]] std::uint64_t slots() const;
@@ -171,6 +171,7 @@ class OrderLedger {
   using ActorMap = std::map<std::uint64_t, Actor>;
 
   void OpenBatches();
+  void ForgetHosts();
   void Hear(Number& number, std::uint64_t actor_id);
   void TakeBack(std::uint64_t number, std::uint64_t actor_id);
   std::size_t Drop(std::uint64_t actor_id);
@@ -198,7 +199,7 @@ class OrderLedger {
   std::set<std::uint64_t> open_;
   std::map<std::uint64_t, std::uint64_t> accepted_of_batch_;
   ActorMap actors_;
-  std::map<std::uint64_t, std::string> host_of_;  // actors of this batch, lost ones among them
+  std::map<std::uint64_t, std::string> host_of_;  // actors, lost ones among them: see HostOf
   std::set<std::uint64_t> refused_;
   LedgerCounts counts_;
   DurationMedian durations_;

@@ -308,5 +308,111 @@ TEST(AuditedRunTest, AHostIsExcludedForGood) {
   ExpectAllTrue(run, 40);
 }
 
+/// A key by which `only` is the one of `numbers` that is audited.
+std::uint64_t KeyThatChooses(double share, std::uint64_t only, std::uint64_t numbers) {
+  for (std::uint64_t key = 0;; ++key) {
+    const Audit audit({share, key});
+    bool found = true;
+    for (std::uint64_t number = 0; number < numbers && found; ++number) {
+      found = audit.IsChosen(number) == (number == only);
+    }
+    if (found) return key;
+  }
+}
+
+/// When `refused` is turned away, all that `late` was ever asked for arrives, spoilt: it was under
+/// way.
+void SendLateWhenRefused(FakeRun& run, std::uint64_t refused, std::uint64_t late) {
+  run.bus.on_order = [&run, refused, late, obey = run.bus.on_order](const EpisodeOrder& order) {
+    if (order.kind == EpisodeOrder::Kind::kRefuse && order.actor_id == refused) {
+      const std::vector<EpisodeOrder> sent = run.bus.orders;
+      for (const EpisodeOrder& old : sent) {
+        if (old.actor_id != late) continue;
+        for (const std::uint64_t number : old.numbers) {
+          const auto truth = FakeRun::MakeEpisode(number, old.weights_version);
+          run.bus.After(milliseconds(0), Lie({FakeRun::kIncarnation, late, truth}).front());
+        }
+      }
+    }
+    return obey(order);
+  };
+}
+
+std::vector<EpisodeMessage> LieOnlyOn2(const EpisodeMessage& truth) {
+  return truth.episode.number == 2 ? Lie(truth) : std::vector<EpisodeMessage>{};
+}
+
+// Nobody audits its other episodes, so nothing but its exclusion keeps them out.
+TEST(AuditedRunTest, WhatAnExcludedHostHasUnderWayIsNotLearntFrom) {
+  FakeRun run;
+  run.setup.rules.episodes_per_update = 12;
+  run.setup.rules.updates_total = 1;
+  run.setup.rules.audit = {0.1, KeyThatChooses(0.1, 2, 12)};
+  run.AddActor(1);
+  run.AddActor(2, 8).answer = LieOnlyOn2;
+  run.AddActor(3);
+  SendLateWhenRefused(run, 2, 2);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+  EXPECT_NE(run.actors.at(2).refused, "");
+  EXPECT_GT(run.bus.statuses.back().rejected, 0U) << "nothing came late: the test tests nothing";
+}
+
+// The lost actor cannot be refused, but it may not be dead: its link may have been.
+TEST(AuditedRunTest, WhatALostActorOfAnExcludedHostHasUnderWayIsNotLearntFrom) {
+  FakeRun run;
+  run.setup.rules.episodes_per_update = 12;
+  run.setup.rules.updates_total = 1;
+  run.setup.rules.audit = {0.1, KeyThatChooses(0.1, 2, 12)};
+  run.AddActor(1);
+  run.AddActor(2, 2).answer = LieOnlyOn2;
+  FakeActor& lost = run.AddActor(22, 4);
+  lost.status.host = "host2";
+  lost.answer = [](const EpisodeMessage&) { return std::vector<EpisodeMessage>{}; };
+  run.AddActor(3);
+  run.bus.CallAfter(milliseconds(350), [&run] { run.Kill(22); });
+  SendLateWhenRefused(run, 2, 22);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+  EXPECT_NE(run.actors.at(2).refused, "");
+  EXPECT_GT(run.bus.statuses.back().rejected, 0U) << "nothing came late: the test tests nothing";
+}
+
+// Else the opinion of a host that is excluded already would dispute that of the only one left.
+TEST(AuditedRunTest, WhatAnExcludedHostSaysLateDoesNotHoldTheRunUp) {
+  FakeRun run;
+  run.setup.rules.audit = {1, 1};
+  for (const std::uint64_t id : {2, 22}) run.AddActor(id, 4).status.host = "host2";
+  run.actors.at(22).answer = Lie;
+  SendLateWhenRefused(run, 22, 22);
+  FakeActor& honest = run.AddActor(1);
+  honest.status.incarnation = 0;  // not yet
+  ActorStatus comes = honest.status;
+  comes.incarnation = FakeRun::kIncarnation;
+  run.bus.After(std::chrono::seconds(4), comes);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+  EXPECT_NE(run.actors.at(22).refused, "");
+  EXPECT_GT(run.bus.statuses.back().rejected, 0U) << "nothing came late: the test tests nothing";
+}
+
+// The other one was asked before it was lost, and its answer comes in the very moment in which
+// waiting for it ends.
+TEST(AuditedRunTest, AnAnswerInTheMomentInWhichAnotherWouldStandAloneIsHeardOnce) {
+  FakeRun run;
+  run.setup.rules.episodes_per_update = 1;
+  run.setup.rules.updates_total = 1;
+  run.setup.rules.audit = {1, 1};
+  run.AddActor(1);
+  run.AddActor(2).answer = [&run](const EpisodeMessage& truth) {
+    run.bus.After(milliseconds(0), ActorLost{2});
+    run.bus.After(std::chrono::seconds(5), truth);
+    return std::vector<EpisodeMessage>{};
+  };
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run, 1);
+  EXPECT_EQ(run.bus.statuses.back().accepted, 1U);
+}
+
 }  // namespace
 }  // namespace metronome

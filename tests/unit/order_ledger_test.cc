@@ -362,6 +362,20 @@ TEST(OrderLedgerTest, AGoodEpisodeForgivesTheBadOnesBefore) {
   }
 }
 
+TEST(OrderLedgerTest, TheHostOfALostActorIsKnownWhileItMayBringANumber) {
+  OrderLedger ledger(Rules(1, 3, 1));
+  ledger.Join(1, "near:1", 2, At(0));
+  EXPECT_EQ(NumbersOf(ledger.Plan(At(0)), 1), (Numbers{0, 1}));
+  Bring(ledger, 0, 1, 10);
+  ledger.Lose(1, At(20));
+  ledger.Publish(1, At(30));
+  EXPECT_EQ(ledger.StandingOf(1, 1), Standing::kWanted);
+  EXPECT_EQ(ledger.HostOf(1), "near");
+  Bring(ledger, 1, 1, 40);
+  ledger.Publish(2, At(50));
+  EXPECT_EQ(ledger.HostOf(1), "unknown host");
+}
+
 TEST(OrderLedgerTest, StrangersCannotBringNumbers) {
   OrderLedger ledger(Rules(4, 2));
   ledger.Join(1, "a", 1, At(0));
