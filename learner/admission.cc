@@ -1,8 +1,19 @@
 #include "learner/admission.h"
 
+#include <cstddef>
 #include <utility>
 
 namespace metronome {
+namespace {
+
+// Both builds and what they differ in must fit into a refusal (idl/metronome.idl).
+constexpr std::size_t kMaxBuildShown = 500;
+
+std::string Shown(const std::string& build) {
+  return build.size() <= kMaxBuildShown ? build : build.substr(0, kMaxBuildShown) + "...";
+}
+
+}  // namespace
 
 Admission::Admission(const RunDescription& description, std::string digest)
     : incarnation_(description.incarnation),
@@ -28,14 +39,14 @@ Admission::Decision Admission::Judge(const ActorStatus& status) {
   if (status.canonical_digest.empty()) return {};
   if (digest_.empty()) {
     digest_ = status.canonical_digest;
-    digest_from_ = "the first actor, on " + status.host + " (" + status.build + ")";
+    digest_from_ = "the first actor, on " + status.host + " (" + Shown(status.build) + ")";
   }
   if (digest_ != status.canonical_digest) return {Verdict::kRefuse, DigestComplaint(status)};
   return {Verdict::kAdmit, {}};
 }
 
 std::string Admission::DigestComplaint(const ActorStatus& status) const {
-  return "the actor on " + status.host + " (" + status.build +
+  return "the actor on " + status.host + " (" + Shown(status.build) +
          ") computes other numbers than the run so far: its canonical episode has digest " +
          status.canonical_digest + ", that of " + digest_from_ + " has " + digest_ +
          "; use the same build on a processor and C library of the same kind";

@@ -13,7 +13,7 @@ class Admission {
   enum class Verdict {
     kAdmit,
     kWait,    // it has not heard of this learner yet: another status will come
-    kRefuse,  // `reason` says why, naming both sides
+    kRefuse,  // `reason` says why, naming both sides; long builds are cut short
   };
   struct Decision {
     Verdict verdict = Verdict::kWait;

@@ -9,6 +9,7 @@ namespace metronome {
 namespace {
 
 constexpr std::size_t kMaxNumbersPerOrder = 1024;  // idl/metronome.idl
+constexpr std::size_t kMaxReasonLength = 4096;     // idl/metronome.idl
 constexpr std::size_t kMaxRefusals = 4096;         // remembered; whoever floods us is forgotten
 constexpr std::size_t kSnapshotsKept = 2;
 constexpr std::chrono::seconds kAuditPatience{5};  // with who is to play an episode again
@@ -87,7 +88,7 @@ void Collector::SendRefusal(std::uint64_t actor_id, const std::string& reason) {
   order.incarnation = incarnation_;
   order.actor_id = actor_id;
   order.kind = EpisodeOrder::Kind::kRefuse;
-  order.reason = reason;
+  order.reason = reason.substr(0, kMaxReasonLength);
   bus_.Send(order);
 }
 

@@ -307,6 +307,23 @@ TEST(CoordinatorTest, ActorsOfAnotherProtocolEngineOrArithmeticAreRefusedNamingB
   }
 }
 
+// The wire carries 4096 characters of a reason; whoever exceeds them cannot be told anything.
+TEST(CoordinatorTest, ARefusalFitsTheWireHoweverLongAnActorsWordsAre) {
+  FakeRun run;
+  run.AddActor(1).status.build = std::string(4000, 'w');
+  FakeActor& build = run.AddActor(2);
+  build.status.canonical_digest = "digest-2";
+  build.status.build = std::string(4000, 'x');
+  FakeActor& engine = run.AddActor(3);
+  engine.status.engine = std::string(5000, 'y');
+  EXPECT_EQ(run.Run(), kExitFinished);
+  for (const char* part : {"host2", "digest-1", "digest-2", "www...", "xxx...", "same build"}) {
+    EXPECT_TRUE(Contains(build.refused, part)) << part;
+  }
+  EXPECT_LT(build.refused.size(), 2000U);
+  EXPECT_EQ(engine.refused.size(), 4096U);
+}
+
 TEST(CoordinatorTest, AfterAResumeActorsMustEqualTheCheckpointsDigest) {
   FakeRun run;
   run.Resume(1);
