@@ -341,6 +341,7 @@ int Coordinator::End() {
     return kExitFailure;
   }
   if (!ending_) return EndFinished(state);
+  if (*ending_ > kExitSignalBase && !saved) ending_ = kExitFailure;  // Save has said what is kept
   if (saved) {
     spdlog::info("stopped after update {} of {}; the last good checkpoint is {}", state.version,
                  setup_.rules.updates_total, record_.LatestCheckpoint());

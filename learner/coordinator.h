@@ -58,7 +58,8 @@ class Coordinator {
   /// or the run's files cannot be opened at the start.
   int Run();
 
-  /// Ends Run with a checkpoint and 128 + signal. Any thread; not from a signal handler.
+  /// Ends Run with a checkpoint and 128 + signal; if none can be written, with kExitFailure. Any
+  /// thread; not from a signal handler.
   void RequestStop(int signal);
 
  private:

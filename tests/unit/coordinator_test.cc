@@ -383,6 +383,20 @@ TEST(CoordinatorTest, ASignalStopsWithACheckpointOfTheLastCompleteVersion) {
   EXPECT_FALSE(run.bus.descriptions.back().finished) << "actors are to wait for the resumed one";
 }
 
+TEST(CoordinatorTest, ASignalWithoutACheckpointIsAFailureAndNothingIsSaidToBeOnDisk) {
+  FakeRun run;
+  run.record.full = [](std::uint64_t version) { return version == 1; };
+  run.AddActor(1);
+  run.bus.CallAfter(milliseconds(300 + 450 + 1000 + 100),
+                    [&] { run.coordinator->RequestStop(SIGINT); });
+  EXPECT_EQ(run.Run(), kExitFailure);
+  EXPECT_EQ(run.record.updates.back(), 1U);
+  EXPECT_EQ(run.record.saved.back().version, 0U);
+  EXPECT_FALSE(run.record.interrupted);
+  EXPECT_EQ(run.bus.statuses.back().state, LearnerStatus::State::kStopped);
+  EXPECT_EQ(run.bus.statuses.back().checkpoint_version, 0U);
+}
+
 TEST(CoordinatorTest, ASignalDuringAnUpdateKeepsItsResultAndBeginsNoOther) {
   FakeRun run;
   run.setup.checkpoint_every = 10;
