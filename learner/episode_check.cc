@@ -20,6 +20,13 @@ bool AllFinite(const std::vector<float>& values) {
   return true;
 }
 
+bool AllWithin(const std::vector<float>& values, float bound) {
+  for (const float value : values) {
+    if (!(std::abs(value) <= bound)) return false;
+  }
+  return true;
+}
+
 std::optional<std::string> CheckShape(const Episode& episode, const RunConfig& config) {
   const auto horizon = std::size_t(config.environment().horizon());
   const auto wrong = [&](const char* what, std::size_t is, std::size_t want) {
@@ -45,6 +52,13 @@ std::optional<std::string> CheckFinite(const Episode& episode) {
   if (!AllFinite(episode.action)) return "an action is not finite";
   if (!AllFinite(episode.log_prob)) return "a log-probability is not finite";
   if (!AllFinite(episode.reward)) return "a reward is not finite";
+  return std::nullopt;
+}
+
+// One absurd number would spoil a running scale for the rest of the run, or overflow a sum.
+std::optional<std::string> CheckRange(const Episode& episode) {
+  if (!AllWithin(episode.observation, kLargestObservation)) return "an observation is out of range";
+  if (!AllWithin(episode.reward, kLargestReward)) return "a reward is out of range";
   return std::nullopt;
 }
 
@@ -134,6 +148,7 @@ std::optional<std::string> CheckEpisode(const Episode& episode, Policy& policy,
   }
   if (auto reason = CheckShape(episode, config)) return reason;
   if (auto reason = CheckFinite(episode)) return reason;
+  if (auto reason = CheckRange(episode)) return reason;
   const HeadSchedule schedule(config, TrainingEpisode(config, episode.number));
   if (auto reason = CheckSchedule(episode, schedule)) return reason;
   Recomputation of{episode, config, schedule, policy, ActionNoise(config, episode.number)};

@@ -220,6 +220,16 @@ TEST(EpisodeCheckTest, AcceptsTheActorsEpisodeAndNamesWhatIsWrongWithOthers) {
   expect_reason(reason_of([](Episode& e) { e.action.push_back(0); }), "action has length");
   expect_reason(reason_of([](Episode& e) { e.reward[3] = NAN; }), "reward is not finite");
   expect_reason(reason_of([](Episode& e) { e.observation[39 * 40] = INFINITY; }), "observation");
+  // Finite, and absurd: two of the first sum up to infinity, one of the second spoils a scale.
+  for (const float reward : {3e38F, 1e30F, -1e30F, 1001.0F}) {
+    expect_reason(reason_of([=](Episode& e) { e.reward[3] = reward; }), "reward is out of range");
+  }
+  for (const float observation : {1e20F, -1e20F, 1.1e6F}) {
+    expect_reason(reason_of([=](Episode& e) { e.observation[39 * 40] = observation; }),
+                  "observation is out of range");
+  }
+  expect_reason(reason_of([](Episode& e) { e.reward[3] = -1000; }), "accepted");
+  expect_reason(reason_of([](Episode& e) { e.observation[39 * 40] = 1e6F; }), "accepted");
   expect_reason(reason_of([](Episode& e) { e.head[20] = 0; }), "step 20 names head 0");
   expect_reason(reason_of([](Episode& e) { e.flags[39] = 0; }), "flags");
   expect_reason(reason_of([](Episode& e) { e.flags[1] = kStepTerminated; }), "flags");
