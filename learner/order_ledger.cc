@@ -47,11 +47,20 @@ void OrderLedger::Join(std::uint64_t actor_id, const std::string& name, std::uin
                        TimePoint now, TimePoint trusted_from) {
   if (IsRefused(actor_id)) return;
   CountIdle(now);
-  Actor& actor = actors_[actor_id];
+  const auto [at, is_new] = actors_.try_emplace(actor_id);
+  if (is_new && counts_.HasManyActors()) ForgetCountsOfLost();
+  Actor& actor = at->second;
   actor.name = name;
   host_of_[actor_id] = HostOfName(name);
   actor.slots = std::max<std::uint32_t>(slots, 1);
   actor.trusted_from = trusted_from;
+}
+
+// Each start of an actor has another name.
+void OrderLedger::ForgetCountsOfLost() {
+  std::set<std::string> present;
+  for (const auto& actor : actors_) present.insert(actor.second.name);
+  counts_.KeepActors(present);
 }
 
 std::size_t OrderLedger::Lose(std::uint64_t actor_id, TimePoint now) {

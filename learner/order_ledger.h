@@ -172,6 +172,7 @@ class OrderLedger {
 
   void OpenBatches();
   void ForgetHosts();
+  void ForgetCountsOfLost();
   void Hear(Number& number, std::uint64_t actor_id);
   void TakeBack(std::uint64_t number, std::uint64_t actor_id);
   std::size_t Drop(std::uint64_t actor_id);

@@ -98,6 +98,34 @@ TEST(CoordinatorTest, AStatusShowsEachActorAndTheAgeOfItsOldestOrder) {
   EXPECT_FALSE(shown.unanswering);
 }
 
+// Names are host:process, so each start of an actor is one more.
+TEST(CoordinatorTest, AStatusCountsTheEpisodesOfAnActorThatCameAfterAThousandOthers) {
+  FakeRun run;
+  run.AddActor(5000).duration = milliseconds(300);
+  const auto comes_after = [&run](milliseconds delay, FakeActor& actor) {
+    actor.status.incarnation = 0;  // not yet
+    ActorStatus comes = actor.status;
+    comes.incarnation = FakeRun::kIncarnation;
+    run.bus.After(delay, comes);
+  };
+  for (std::uint64_t id = 1; id <= 1500; ++id) {
+    FakeActor& other = run.AddActor(id);
+    other.answer = [](const EpisodeMessage&) { return std::vector<EpisodeMessage>{}; };
+    const milliseconds then(310 + id);
+    comes_after(then, other);
+    run.bus.After(then, EpisodeMessage{FakeRun::kIncarnation, id, FakeRun::MakeEpisode(99, 0)});
+    run.bus.After(then, ActorLost{id});
+  }
+  comes_after(milliseconds(2000), run.AddActor(6000));
+  std::map<std::string, std::uint64_t> accepted;
+  run.setup.on_status = [&accepted](const LearnerStatus& status) {
+    for (const ActorReport& actor : status.actors) accepted[actor.name] = actor.accepted;
+  };
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_GT(accepted.at("host6000:0"), 0U);
+  EXPECT_GT(accepted.at("host5000:0"), 0U) << "who is there keeps its counts";
+}
+
 TEST(CoordinatorTest, AStoppedRunSaysSoToWhoeverWatches) {
   FakeRun run;
   run.AddActor(1);
