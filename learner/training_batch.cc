@@ -75,10 +75,10 @@ class Builder {
     std::vector<float> values(value.data(), value.data() + horizon_);
     std::vector<float> rewards = LearningReward(episode, source_.config.ppo());
     for (float& reward : rewards) reward /= source_.reward_scale;
-    const bool absorbing = (episode.flags.back() & kStepTerminated) != 0;
+    // No last state is absorbing: the check of episodes refuses kStepTerminated.
     const PpoConfig& ppo = source_.config.ppo();
     const float final_value =
-        ppo.time_limit_value() == BOOTSTRAP && !absorbing ? value(0, Eigen::Index(horizon_)) : 0.0F;
+        ppo.time_limit_value() == BOOTSTRAP ? value(0, Eigen::Index(horizon_)) : 0.0F;
     const GaeResult gae =
         ComputeGae(rewards, values, final_value, {ppo.discount(), ppo.gae_lambda()});
     const auto at = std::ptrdiff_t(begin);
