@@ -70,6 +70,13 @@ def test_systemd_calls_the_unit_well_confined(name, tmp_path):
     assert verdict.returncode == 0, verdict.stdout[-400:] + verdict.stderr
 
 
+def test_what_a_restart_cannot_mend_is_not_started_again():
+    """Usage (2), and an update that is not finite (5): a pure function of what is on disk."""
+    unit = (UNITS / NAMES[0]).read_text()
+    final = re.search(r"^RestartPreventExitStatus=(.*)$", unit, re.M)[1].split()
+    assert final == ["2", "5"]
+
+
 def test_a_service_that_was_stopped_and_one_that_crashed_go_on_to_the_weights_of_a_calm_run(stage):
     expected = stage.train("calm")
     os.environ["METRONOME_BIN"] = str(BUILD / "bin")
