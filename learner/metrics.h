@@ -12,10 +12,13 @@ namespace metronome {
 
 /// Wall-clock side of an update: the only numbers allowed to differ between two equal runs.
 struct WallReport {
-  double seconds = 0;                 // that the run has taken, all starts together
-  double collect_seconds = 0;         // this update: from its first order to its last episode
+  double seconds = 0;  // that the run has taken, all starts together
+  // Of this update's batch: from when its orders could go out to the start of the update. With
+  // overlap that includes waiting for the update before.
+  double collect_seconds = 0;
   double update_seconds = 0;          // this update: learning alone
-  double idle_share = 0;              // of the actors' slots, 0..1, while collecting
+  double idle_share = 0;              // of the actors' slots, 0..1, meanwhile; with overlap: since
+                                      // the update before began
   std::uint64_t bytes_sent = 0;       // payload, since this start
   std::uint64_t bytes_received = 0;   // payload, since this start
   std::uint64_t actors = 0;           // connected

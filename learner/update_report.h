@@ -8,28 +8,30 @@ namespace metronome {
 /// What one update saw and did; the source of progress.csv and the TensorBoard tags.
 /// Everything here is a pure function of state and batch.
 struct UpdateReport {
-  std::uint64_t version = 0;      // after the update
-  std::uint64_t steps = 0;        // environment steps so far
-  std::uint64_t episodes = 0;     // episodes so far
-  double mean_return = 0;         // undiscounted episode return, mean over the batch
-  double success = 0;             // share of episodes with success at any step
-  double success_end = 0;         // share with success at the last step
-  double policy_loss = 0;         // means over the minibatches made
+  std::uint64_t version = 0;   // after the update
+  std::uint64_t steps = 0;     // environment steps so far
+  std::uint64_t episodes = 0;  // episodes so far
+  double mean_return = 0;      // undiscounted episode return, mean over the batch
+  double success = 0;          // share of episodes with success at any step
+  double success_end = 0;      // share with success at the last step
+  // Means over all minibatches of all epochs made, each under the weights before its step.
+  double policy_loss = 0;
   double value_loss = 0;          // half squared error, of scaled returns
-  double entropy = 0;             // nats, of the behaviour's heads
+  double entropy = 0;             // nats
   double kl = 0;                  // mean old minus new log-probability over the last minibatch
-  double clip_share = 0;          // share of samples whose ratio left [1 - clip, 1 + clip]
+  double clip_share = 0;          // samples whose ratio left [1 - clip, 1 + clip], all minibatches
   double explained_variance = 0;  // of the returns by the values before the update
-  double gradient_norm = 0;       // before clipping
+  double gradient_norm = 0;       // before clipping, mean over all minibatches
   double learning_rate = 0;
   double reward_scale = 0;  // what rewards were divided by
   std::int32_t epochs = 0;  // made before the KL stop
   std::uint64_t lag = 0;    // updates between the behaviour's weights and those trained
-  // Per head, [k]; means over the head's samples.
-  std::vector<double> head_entropy;
+  // Per head, [k]. By the weights after the update:
+  std::vector<double> head_entropy;  // nats
+  std::vector<double> head_std;      // mean of exp(log_std)
+  // Over the head's samples in all minibatches of all epochs (`kl` is of the last one); 0 without.
   std::vector<double> head_kl;
   std::vector<double> head_clip_share;
-  std::vector<double> head_std;  // mean of exp(log_std)
 };
 
 }  // namespace metronome
