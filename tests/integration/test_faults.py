@@ -2,7 +2,9 @@
 
 import signal
 
-RIVAL, NO_LEARNER = 4, 3  # exit codes
+from harness import ENDLESS
+
+FAILURE, NO_LEARNER, RIVAL = 1, 3, 4  # exit codes
 
 
 def test_an_actor_without_a_learner_says_so_and_gives_up(stage):
@@ -37,6 +39,21 @@ def test_an_interrupted_learner_leaves_a_checkpoint_and_goes_on(stage):
     assert learner.wait() == 130, learner
     assert stage.inspect(stage.latest("run"))["version"] >= 2
     stage.finish("run", stage.learner("run", "--resume"), [actor])
+
+
+def test_an_interrupted_learner_that_cannot_leave_a_checkpoint_ends_with_1(stage):
+    learner, actor = stage.learner("run", small=ENDLESS), stage.actor("run")
+    learner.expect_update(1)
+    # What a full disk does to the folder, without filling one: no file can be made in it.
+    folder, aside = stage.runs / "run" / "checkpoints", stage.runs / "run" / "aside"
+    folder.rename(aside)
+    folder.touch()
+    learner.expect_text("NOT WRITTEN")
+    learner.signal(signal.SIGINT)
+    assert learner.wait() == FAILURE, learner
+    assert '"interrupted"' not in learner.text
+    assert "is kept" in learner.text
+    actor.kill()
 
 
 def test_a_terminated_actor_ends_within_seconds(stage):
