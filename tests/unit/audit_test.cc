@@ -364,12 +364,12 @@ TEST(AuditedRunTest, WhatALostActorOfAnExcludedHostHasUnderWayIsNotLearntFrom) {
   run.setup.rules.episodes_per_update = 12;
   run.setup.rules.updates_total = 1;
   run.setup.rules.audit = {0.1, KeyThatChooses(0.1, 2, 12)};
-  run.AddActor(1);
+  run.AddActor(1).duration = milliseconds(500);
   run.AddActor(2, 2).answer = LieOnlyOn2;
   FakeActor& lost = run.AddActor(22, 4);
   lost.status.host = "host2";
   lost.answer = [](const EpisodeMessage&) { return std::vector<EpisodeMessage>{}; };
-  run.AddActor(3);
+  run.AddActor(3).duration = milliseconds(500);  // so that much of the lost one is still missing
   run.bus.CallAfter(milliseconds(350), [&run] { run.Kill(22); });
   SendLateWhenRefused(run, 2, 22);
   EXPECT_EQ(run.Run(), kExitFinished);
