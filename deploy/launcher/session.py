@@ -188,6 +188,8 @@ class Session:
 
     def _report(self, code):
         options = self._options
+        # A code of its own says what the learner could not do: leave a checkpoint, say.
+        stopped = self._stop_signal and not 0 < code < 128
         if self._started is None and not self._stop_signal:
             sys.stderr.write(b"\n".join(self._early + [b""]).decode(errors="replace"))
             if not self._early:
@@ -198,7 +200,7 @@ class Session:
                 "deploy/train: no actor stays up, so the run was stopped (see above)",
                 file=sys.stderr,
             )
-        elif code != 0 and not self._stop_signal:
+        elif code != 0 and not stopped:
             print(
                 f"deploy/train: the learner ended with {_ending(code)}; its last lines:",
                 file=sys.stderr,
@@ -206,7 +208,7 @@ class Session:
             print(_tail(options.folder / "logs" / "learner.log"), file=sys.stderr)
         if self._started:
             self._say_results(self._done())
-        if self._stop_signal and not self._done():
+        if stopped and not self._done():
             return 128 + self._stop_signal
         return 1 if self._failed else _exit_code(code)
 

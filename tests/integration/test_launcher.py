@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from harness import BUILD, ROOT, SMALL, STEPS
+from harness import BUILD, ENDLESS, ROOT, SMALL, STEPS
 
 TRAIN = str(ROOT / "deploy" / "train")
 TASK, OPTIONS = SMALL[1], SMALL[2:]
@@ -103,6 +103,18 @@ def test_stopping_leaves_a_checkpoint_and_no_orphans_and_resume_goes_on(stage, n
     again = train(stage, "--run", "run", "--resume")
     assert again.wait() == 0, again
     assert stage.inspect(stage.latest("run"))["steps"] == STEPS
+
+
+def test_stopping_a_run_that_cannot_leave_a_checkpoint_is_a_failure(stage):
+    launcher = train(stage, "--run", "run", small=ENDLESS[2:])
+    launcher.expect_text("update    1/")
+    # As a full disk does, no file can be made in the folder.
+    folder = stage.runs / "run" / "checkpoints"
+    folder.rename(stage.runs / "run" / "aside")
+    folder.touch()
+    launcher.signal(signal.SIGINT)
+    assert launcher.wait(90) == 1, launcher
+    assert "the learner ended with" in launcher.text and "NOT WRITTEN" in launcher.text, launcher
 
 
 def test_a_killed_launcher_leaves_no_orphans(stage):
