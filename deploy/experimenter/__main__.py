@@ -125,7 +125,7 @@ class Runner:
             if not slot.free:
                 files = slot.files
                 slot.stop()
-                problem = files.carry()
+                problem = slot.carry()
                 self._view.note(problem or f"{files.name} goes on from where it stands; kept in "
                                 f"{shown(files.result)}/unfinished/")
 

@@ -2,7 +2,7 @@
 
 results/EXPERIMENT/CELL/ holds, once the cell is done: run.json (written last: what was run, where, and
 the digest of the weights), config.textproto, progress.csv, evaluation.csv. Until then it may hold
-unfinished/: a checkpoint and the logs so far, from which the run goes on in any other checkout.
+unfinished/: checkpoints and the logs so far, from which the run goes on in any other checkout.
 """
 
 import csv
@@ -18,6 +18,12 @@ _OF_ONE_HEAD = re.compile(r".*_head\d+")
 EVALUATION_COLUMNS = ["steps", "update", "placements", "episodes", "success", "success_end", "return",
                       "time_to_success"]
 LARGEST_CARRIED = 1 << 20  # bytes of a checkpoint that is kept in the repository
+
+
+def _checkpoints_in(folder):
+    """Version to path of the checkpoint files there are."""
+    matches = ((CHECKPOINT.fullmatch(path.name), path) for path in folder.glob("*.ckpt"))
+    return {int(match.group(1)): path for match, path in matches if match}
 
 
 def write_atomically(path, text):
@@ -51,12 +57,7 @@ class CellFiles:
 
     def checkpoints(self):
         """Version to path of the files there are."""
-        found = {}
-        for path in (self.run / "checkpoints").glob("*.ckpt"):
-            match = CHECKPOINT.fullmatch(path.name)
-            if match:
-                found[int(match.group(1))] = path
-        return found
+        return _checkpoints_in(self.run / "checkpoints")
 
     def revisions(self):
         try:
@@ -119,19 +120,22 @@ class CellFiles:
 
     # Carrying on elsewhere.
 
-    def carry(self):
+    def carry(self, due):
         """Keeps in results/ what another checkout needs to go on with the run.
+        @param due  versions whose evaluation is still to come: no later checkpoint can make up for them.
         @return None, or why that is not possible."""
         latest = self.run / "checkpoints" / "latest"
         if not latest.exists():
             return None
-        if latest.stat().st_size > LARGEST_CARRIED:
+        there = self.checkpoints()
+        carried = {latest.resolve(), *(there[version] for version in due)}
+        if max(path.stat().st_size for path in carried) > LARGEST_CARRIED:
             return f"{self.name}: its checkpoint is larger than 1 MB and is not kept in results/"
         target, partial = self.result / "unfinished", self.result / "unfinished.tmp"
         shutil.rmtree(partial, ignore_errors=True)
         (partial / "checkpoints").mkdir(parents=True)
-        newest = latest.resolve()
-        shutil.copyfile(newest, partial / "checkpoints" / newest.name)
+        for path in carried:
+            shutil.copyfile(path, partial / "checkpoints" / path.name)
         for name in ("config.textproto", "progress.csv", "evaluation.csv", "revisions"):
             if (self.run / name).exists():
                 shutil.copyfile(self.run / name, partial / name)
@@ -148,7 +152,7 @@ class CellFiles:
         partial = self.runs / (self.name + ".tmp")
         shutil.rmtree(partial, ignore_errors=True)
         shutil.copytree(source, partial)
-        (newest,) = (partial / "checkpoints").glob("*.ckpt")
-        (partial / "checkpoints" / "latest").symlink_to(newest.name)
+        carried = _checkpoints_in(partial / "checkpoints")
+        (partial / "checkpoints" / "latest").symlink_to(carried[max(carried)].name)
         os.replace(partial, self.run)
         return True

@@ -48,6 +48,7 @@ class Slot:
         if self.files.started():
             self.files.note_revision(self._settings.revision)
         self._end_evaluation()
+        self._require_milestones(before=max(self.files.checkpoints(), default=0))
         if self._evaluate is None:
             self._begin_evaluation()
         if self._train is not None and self._train.poll() is not None:
@@ -57,6 +58,7 @@ class Slot:
                 self._fail(f"deploy/train ended with {code}")
         if self._train is not None or self._evaluate is not None or self._due():
             return False
+        self._require_milestones(before=self._updates() + 1)
         self.files.publish(self._facts())
         self._clear()
         return True
@@ -66,6 +68,10 @@ class Slot:
         children.stop([self._evaluate] if self._evaluate else [], EVALUATE_STOP)
         children.stop([self._train] if self._train else [], TRAIN_STOP)
         self._events.drain()
+
+    def carry(self):
+        """To be called after stop(). @return None, or why the run cannot go on in another checkout."""
+        return self.files.carry({update for update, _ in self._due()})
 
     # Training.
 
@@ -106,6 +112,18 @@ class Slot:
                 for update in self._milestones() if update in there
                 for placements in self._settings.evaluation.placements
                 if (update, placements) not in known]
+
+    def _require_milestones(self, before):
+        """A milestone that the run has passed can be evaluated by its own checkpoint alone.
+        @throws CellFailed where one before this update has neither checkpoint nor evaluation."""
+        there, known = self.files.checkpoints(), self.files.evaluated()
+        lost = sorted({update for update in self._milestones() if update < before and update not in there
+                       for placements in self._settings.evaluation.placements
+                       if (update, placements) not in known})
+        if lost:
+            self._fail(f"milestones at update {', '.join(map(str, lost))} have neither an evaluation nor a "
+                       f"checkpoint; to make the run anew, remove {shown(self.files.run)}/ and "
+                       f"{shown(self.files.result)}/unfinished/")
 
     def _begin_evaluation(self):
         due = self._due()

@@ -2,12 +2,14 @@
 
 import csv
 import json
+import os
+import select
 import shutil
 import signal
 
 import pytest
 
-from harness import BUILD, ROOT
+from harness import ACTOR, BUILD, DEADLINE, LEARNER, ROOT
 
 EXPERIMENT = str(ROOT / "deploy" / "experiment")
 ENGINE = "3.3.0" if BUILD.name.endswith("3.3.0") else "2.2.2"
@@ -43,8 +45,8 @@ class Place:
         self.file, self.runs, self.results = (self.folder / n for n in ("e.toml", "runs", "results"))
         self.file.write_text(text.format(engine=ENGINE, steps=steps))
 
-    def start(self, *options):
-        return self._stage.start(EXPERIMENT, self.file, "--build", BUILD, "--runs", self.runs, "--results",
+    def start(self, *options, build=BUILD):
+        return self._stage.start(EXPERIMENT, self.file, "--build", build, "--runs", self.runs, "--results",
                                  self.results, "--domain", self._stage.domain, "--jobs", 1, *options)
 
     def run_json(self, cell):
@@ -110,6 +112,49 @@ def test_an_interrupted_experiment_goes_on_in_another_checkout(stage):
     returns = [[row["return"] for row in rows(p.results / "small/push-multihead-s7/progress.csv")]
                for p in (whole, cut)]
     assert returns[0] == returns[1] and len(returns[0]) == 80
+
+
+class HeldEvaluations:
+    """Programs whose evaluations never end; the first says when the run has its last checkpoint."""
+
+    def __init__(self, folder):
+        self.build, self._said = folder / "held", folder / "said"
+        (self.build / "bin").mkdir(parents=True)
+        (self.build / "bin" / "metronome-learner").symlink_to(os.path.abspath(LEARNER))
+        actor = self.build / "bin" / "metronome-actor"
+        actor.write_text(f'#!/bin/sh\n[ "$1" = evaluate ] || exec {os.path.abspath(ACTOR)} "$@"\n'
+                         'until [ -e "$(dirname "$4")/000008.ckpt" ]; do sleep 0.05; done\n'
+                         f'echo trained > {self._said}\nexec sleep 1000\n')
+        actor.chmod(0o755)
+        os.mkfifo(self._said)
+        self._read = os.open(self._said, os.O_RDONLY | os.O_NONBLOCK)
+
+    def expect_trained(self):
+        assert select.select([self._read], [], [], DEADLINE)[0], "no evaluation began, or no run ended"
+        os.close(self._read)
+
+
+def test_a_milestone_that_was_not_evaluated_is_evaluated_in_another_checkout(stage):
+    place, held = Place(stage), HeldEvaluations(stage.runs.parent)
+    stopped = place.start("--cells", "push-ppo-*", build=held.build)
+    held.expect_trained()
+    stopped.signal(signal.SIGINT)
+    assert stopped.wait() == 128 + signal.SIGINT, stopped
+    result = place.results / "small" / "push-ppo-s7"
+    carried = result / "unfinished" / "checkpoints" / "000004.ckpt"
+    assert sorted(p.name for p in carried.parent.iterdir()) == ["000004.ckpt", "000008.ckpt"]
+    # Where it is lost, the cell is not taken for done.
+    shutil.rmtree(place.runs)
+    carried.rename(stage.runs.parent / "kept")
+    lost = place.start("--cells", "push-ppo-*")
+    assert lost.wait() == 1, lost
+    assert "push-ppo-s7: milestones at update 4 " in lost.text and not (result / "run.json").exists(), lost
+    shutil.rmtree(place.runs)
+    (stage.runs.parent / "kept").rename(carried)
+    resumed = place.start("--cells", "push-ppo-*")
+    assert resumed.wait() == 0, resumed
+    evaluated = [(row["update"], row["placements"]) for row in rows(result / "evaluation.csv")]
+    assert evaluated == [("4", "mt1"), ("4", "random"), ("8", "mt1"), ("8", "random")]
 
 
 @pytest.mark.parametrize(
