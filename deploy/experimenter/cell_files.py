@@ -12,6 +12,8 @@ import os
 import re
 import shutil
 
+from options import is_run
+
 CHECKPOINT = re.compile(r"(\d{6,})\.ckpt")
 # Columns of one head each make up most of progress.csv; whoever wants them makes the run again.
 _OF_ONE_HEAD = re.compile(r".*_head\d+")
@@ -43,7 +45,7 @@ class CellFiles:
     # The run.
 
     def started(self):
-        return self.run.is_dir()
+        return is_run(self.run)
 
     def steps_done(self):
         """Of the run so far; 0 where it has not begun."""
@@ -154,5 +156,6 @@ class CellFiles:
         shutil.copytree(source, partial)
         carried = _checkpoints_in(partial / "checkpoints")
         (partial / "checkpoints" / "latest").symlink_to(carried[max(carried)].name)
+        shutil.rmtree(self.run, ignore_errors=True)  # what a start leaves that was killed before it began a run
         os.replace(partial, self.run)
         return True

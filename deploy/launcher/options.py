@@ -191,6 +191,12 @@ def _parser():
     return parser
 
 
+def is_run(folder):
+    """Whether the learner finds a run there. A start that was killed in its first moments leaves a
+    folder without one."""
+    return (folder / "config.textproto").exists() or (folder / "checkpoints").exists()
+
+
 def _fresh_name(options):
     parts = (
         options.task or "run",
@@ -223,12 +229,12 @@ def parse(arguments):
     options.security = options.security and options.security.absolute()
     options.run = options.run or _fresh_name(options)
     options.folder = options.runs / options.run
-    if options.resume and not options.folder.is_dir():
-        there = sorted(path.name for path in options.runs.glob("*/") if path.is_dir())
+    if options.resume and not is_run(options.folder):
+        there = sorted(path.name for path in options.runs.glob("*/") if is_run(path))
         near = difflib.get_close_matches(options.run, there, 1)
         hint = f"; did you mean {near[0]}?" if near else ""
         parser.error(f"there is no run {options.run} in {options.runs} to resume{hint}")
-    if not options.resume and options.folder.exists():
+    if not options.resume and is_run(options.folder):
         parser.error(
             f"run {options.run} exists ({options.folder}): go on with it by --resume, "
             "or give another --run NAME"

@@ -63,7 +63,7 @@ def test_the_default_name_is_new_each_time(stage):
 
 
 def test_an_existing_run_needs_resume(stage):
-    (stage.runs / "run").mkdir(parents=True)
+    (stage.runs / "run" / "checkpoints").mkdir(parents=True)
     launcher = train(stage, "--run", "run")
     assert launcher.wait(30) == 2, launcher
     assert "--resume" in launcher.text, launcher
@@ -72,6 +72,17 @@ def test_an_existing_run_needs_resume(stage):
 def test_resuming_what_does_not_exist_exits_2(stage):
     launcher = train(stage, "--run", "nothing", "--resume")
     assert launcher.wait(30) == 2, launcher
+
+
+def test_what_a_killed_start_leaves_is_no_run_yet(stage):
+    (stage.runs / "run").mkdir(parents=True)
+    for name in ("lock", "incarnation"):
+        (stage.runs / "run" / name).write_text("1\n")
+    refused = train(stage, "--run", "run", "--resume")
+    assert refused.wait(30) == 2, refused
+    assert "there is no run run in" in refused.text and "did you mean" not in refused.text, refused
+    again = train(stage, "--run", "run")
+    assert again.wait() == 0, again
 
 
 @pytest.mark.parametrize(
