@@ -63,13 +63,13 @@ def _chosen(experiment, globs):
 
 
 def _require_same(files, cell, settings):
-    """A done cell must be what the file asks for now."""
-    done = files.done()
-    wanted = settings.command_of(cell)
-    if done is not None and done["command"] != wanted:
-        raise matrix.MatrixError(
-            f"{shown(files.result)} was made by other settings ({done['command']}) than the file asks "
-            f"for now ({wanted}): move it away, or give the arm another name")
+    """A cell that is done, or under way, must be what the file asks for now."""
+    made, place = files.made_by()
+    for key, wanted in {"command": settings.command_of(cell), **settings.evaluation_facts(cell)}.items():
+        if made.get(key, wanted) != wanted:
+            raise matrix.MatrixError(
+                f"{shown(place)} was made by other settings ({key}: {made[key]}) than the file asks for now "
+                f"({wanted}): move it away, or give the arm another name")
 
 
 def _list(cells, files):

@@ -19,6 +19,7 @@ CHECKPOINT = re.compile(r"(\d{6,})\.ckpt")
 _OF_ONE_HEAD = re.compile(r".*_head\d+")
 EVALUATION_COLUMNS = ["steps", "update", "placements", "episodes", "success", "success_end", "return",
                       "time_to_success"]
+EVALUATION_FACTS = "evaluation.json"
 LARGEST_CARRIED = 1 << 20  # bytes of a checkpoint that is kept in the repository
 
 
@@ -26,6 +27,14 @@ def _checkpoints_in(folder):
     """Version to path of the checkpoint files there are."""
     matches = ((CHECKPOINT.fullmatch(path.name), path) for path in folder.glob("*.ckpt"))
     return {int(match.group(1)): path for match, path in matches if match}
+
+
+def _read_json(path):
+    """None where there is no such file."""
+    try:
+        return json.loads(path.read_text())
+    except OSError:
+        return None
 
 
 def write_atomically(path, text):
@@ -74,6 +83,12 @@ class CellFiles:
 
     # Milestones' evaluations.
 
+    def note_evaluation(self, facts):
+        """Keeps how the run's milestones are chosen and evaluated."""
+        path = self.run / EVALUATION_FACTS
+        if not path.exists():
+            write_atomically(path, json.dumps(facts) + "\n")
+
     def evaluated(self):
         """Rows so far, by (update, placements)."""
         try:
@@ -99,10 +114,27 @@ class CellFiles:
 
     def done(self):
         """What run.json says, None while the cell is not done."""
-        try:
-            return json.loads((self.result / "run.json").read_text())
-        except OSError:
-            return None
+        return _read_json(self.result / "run.json")
+
+    def made_by(self):
+        """Those settings of a cell, done or under way, that are known, by their names in run.json; and the
+        folder that they are known from."""
+        done = self.done()
+        if done is not None:
+            return self._told_by_results() | done, self.result
+        folder = self.run if self.started() else self.result / "unfinished"
+        return _read_json(folder / EVALUATION_FACTS) or {}, folder
+
+    def _told_by_results(self):
+        """What run.json did not always say."""
+        with open(self.result / "evaluation.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        config = (self.result / "config.textproto").read_text()
+        told = {"milestone_every": int(every) for every in re.findall(r"^\s*milestone_every: (\d+)$", config, re.M)}
+        if rows:
+            told |= {"evaluation_episodes": max(int(row["episodes"]) for row in rows),
+                     "evaluation_placements": sorted({row["placements"] for row in rows})}
+        return told
 
     def publish(self, facts):
         """Puts the finished run into results/, run.json last."""
@@ -138,7 +170,7 @@ class CellFiles:
         (partial / "checkpoints").mkdir(parents=True)
         for path in carried:
             shutil.copyfile(path, partial / "checkpoints" / path.name)
-        for name in ("config.textproto", "progress.csv", "evaluation.csv", "revisions"):
+        for name in ("config.textproto", "progress.csv", "evaluation.csv", EVALUATION_FACTS, "revisions"):
             if (self.run / name).exists():
                 shutil.copyfile(self.run / name, partial / name)
         shutil.rmtree(target, ignore_errors=True)

@@ -28,6 +28,23 @@ class Settings:
         """What makes the same run by hand."""
         return shlex.join(["deploy/train", *cell.train_arguments(), "--mujoco", self.mujoco])
 
+    def evaluation_facts(self, cell):
+        """When and how the cell is evaluated, as run.json says it."""
+        return {"evaluation_seed": self.evaluation.seed, "evaluation_episodes": self.evaluation.episodes,
+                "evaluation_placements": sorted(self.evaluation.placements),
+                "milestone_every": self.milestone_every(cell)}
+
+    def updates_of(self, cell):
+        return -(-cell.steps // self.steps_per_update[cell])
+
+    def milestone_every(self, cell):
+        return max(1, self.updates_of(cell) // self.milestones)
+
+    def milestones_of(self, cell):
+        """Updates that are evaluated: the last one takes the place of one that lies close before it."""
+        every, last = self.milestone_every(cell), self.updates_of(cell)
+        return [*range(every, last - every + 1, every), last]
+
 
 def _git(root, *words):
     done = subprocess.run(["git", "-C", str(root), *words], capture_output=True, text=True)

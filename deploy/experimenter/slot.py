@@ -47,6 +47,7 @@ class Slot:
             return False
         if self.files.started():
             self.files.note_revision(self._settings.revision)
+            self.files.note_evaluation(self._settings.evaluation_facts(self.cell))
         self._end_evaluation()
         self._require_milestones(before=max(self.files.checkpoints(), default=0))
         if self._evaluate is None:
@@ -58,7 +59,7 @@ class Slot:
                 self._fail(f"deploy/train ended with {code}")
         if self._train is not None or self._evaluate is not None or self._due():
             return False
-        self._require_milestones(before=self._updates() + 1)
+        self._require_milestones(before=self._settings.updates_of(self.cell) + 1)
         self.files.publish(self._facts())
         self._clear()
         return True
@@ -89,19 +90,8 @@ class Slot:
         command += ["--runs", str(self.files.runs), "--run", self.cell.name]
         command += ["--actors", str(len(cores)), "--domain", str(self._domain)]
         command += ["--set", f"runtime.learner_threads={len(cores)}"]
-        command += ["--set", f"runtime.milestone_every={self._milestone_every()}"]
+        command += ["--set", f"runtime.milestone_every={settings.milestone_every(self.cell)}"]
         return command + (["--resume"] if resume else [])
-
-    def _updates(self):
-        return -(-self.cell.steps // self._settings.steps_per_update[self.cell])
-
-    def _milestone_every(self):
-        return max(1, self._updates() // self._settings.milestones)
-
-    def _milestones(self):
-        """Updates that are evaluated: the last one takes the place of one that lies close before it."""
-        every, last = self._milestone_every(), self._updates()
-        return [*range(every, last - every + 1, every), last]
 
     # Evaluation.
 
@@ -109,7 +99,7 @@ class Slot:
         """Milestones reached and not yet evaluated: (update, placements), oldest first."""
         there, known = self.files.checkpoints(), self.files.evaluated()
         return [(update, placements)
-                for update in self._milestones() if update in there
+                for update in self._settings.milestones_of(self.cell) if update in there
                 for placements in self._settings.evaluation.placements
                 if (update, placements) not in known]
 
@@ -117,7 +107,8 @@ class Slot:
         """A milestone that the run has passed can be evaluated by its own checkpoint alone.
         @throws CellFailed where one before this update has neither checkpoint nor evaluation."""
         there, known = self.files.checkpoints(), self.files.evaluated()
-        lost = sorted({update for update in self._milestones() if update < before and update not in there
+        lost = sorted({update for update in self._settings.milestones_of(self.cell)
+                       if update < before and update not in there
                        for placements in self._settings.evaluation.placements
                        if (update, placements) not in known})
         if lost:
@@ -168,7 +159,7 @@ class Slot:
             "later_revisions": revisions[1:], "processor": settings.processor,
             "weights_sha256": held["weights_sha256"],
             "command": settings.command_of(cell),
-            "evaluation_seed": settings.evaluation.seed,
+            **settings.evaluation_facts(cell),
             "wall_cores": len(self._cores),
         }
 

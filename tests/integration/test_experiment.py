@@ -150,8 +150,11 @@ def test_a_milestone_that_was_not_evaluated_is_evaluated_in_another_checkout(sta
     result = place.results / "small" / "push-ppo-s7"
     carried = result / "unfinished" / "checkpoints" / "000004.ckpt"
     assert sorted(p.name for p in carried.parent.iterdir()) == ["000004.ckpt", "000008.ckpt"]
-    # Where it is lost, the cell is not taken for done.
+    # What was evaluated so far does not mix with other evaluations, here or there.
+    expect_other_settings(place, *OTHER_SEED)
     shutil.rmtree(place.runs)
+    expect_other_settings(place, *OTHER_SEED)
+    # Where it is lost, the cell is not taken for done.
     carried.rename(stage.runs.parent / "kept")
     lost = place.start("--cells", "push-ppo-*")
     assert lost.wait() == 1, lost
@@ -186,13 +189,38 @@ def test_a_file_that_cannot_be_right_is_refused_by_name(stage, old, new, complai
     assert not place.results.exists()
 
 
-def test_a_done_cell_of_other_settings_is_not_taken_for_the_one_asked(stage):
-    place = Place(stage)
-    assert place.start().wait() == 0
-    place.file.write_text(place.file.read_text().replace("heads = 5", "heads = 2"))
+def expect_other_settings(place, old, new, complaint):
+    asked = place.file.read_text()
+    assert old in asked
+    place.file.write_text(asked.replace(old, new))
     refused = place.start()
     assert refused.wait(60) == 2, refused
-    assert "push-multihead-s7" in refused.text and "move it away" in refused.text, refused
+    assert "-s7" in refused.text and "move it away" in refused.text, refused
+    assert complaint in refused.text, refused
+    place.file.write_text(asked)
+
+
+OTHER_EVALUATION = [
+    ("episodes = 1", "episodes = 2", "evaluation_episodes"),
+    ('["random", "mt1"]', '["random"]', "evaluation_placements"),
+    ("milestones = 2", "milestones = 4", "milestone_every"),
+]
+OTHER_SEED = ("episodes = 1", "episodes = 1\nseed = 3", "evaluation_seed")
+
+
+def test_a_done_cell_of_other_settings_is_not_taken_for_the_one_asked(stage):
+    place = Place(stage)
+    assert place.start("--cells", "push-multihead-*").wait() == 0
+    for change in (("heads = 5", "heads = 2", "--heads 5"), *OTHER_EVALUATION, OTHER_SEED):
+        expect_other_settings(place, *change)
+    # Cells of before run.json said all of this tell it by their evaluations.
+    facts = place.run_json("push-multihead-s7")
+    for key in ("evaluation_episodes", "evaluation_placements", "milestone_every"):
+        del facts[key]
+    (place.results / "small" / "push-multihead-s7" / "run.json").write_text(json.dumps(facts))
+    assert place.start("--cells", "push-multihead-*").wait() == 0
+    for change in OTHER_EVALUATION:
+        expect_other_settings(place, *change)
 
 
 def test_a_run_that_fails_is_named_and_the_others_are_made(stage):
