@@ -30,7 +30,7 @@ import difflib
 import tomllib
 from dataclasses import dataclass
 
-from options import METHODS
+from options import METHODS, RUN_NAME, RUN_NAME_RULE
 
 TASKS = ("assembly", "bin-picking", "box-close", "push")
 ENGINES = ("2.2.2", "3.3.0")
@@ -90,8 +90,14 @@ class Experiment:
     cells: tuple  # of Cell: all arms and tasks of the first seed, then of the second, ...
 
 
+def _table(value, where):
+    if not isinstance(value, dict):
+        raise MatrixError(f"{where}: {value!r} is not a table")
+    return value
+
+
 def _known(table, names, where):
-    for key in table:
+    for key in _table(table, where):
         if key not in names:
             near = difflib.get_close_matches(key, names, 1)
             hint = f"; did you mean '{near[0]}'?" if near else f" (known: {', '.join(sorted(names))})"
@@ -113,9 +119,23 @@ def _whole(value, low, where):
 
 
 def _list(value, where):
-    if not isinstance(value, list) or not value or len(set(value)) != len(value):
+    if not isinstance(value, list) or not value or any(value.count(entry) > 1 for entry in value):
         raise MatrixError(f"{where}: needs a list of at least one entry, each once")
     return value
+
+
+def _name(value, where):
+    """Of a folder and, for a run, of a DDS partition."""
+    if not isinstance(value, str) or not RUN_NAME.fullmatch(value):
+        raise MatrixError(f"{where}: {value!r} cannot be a name: {RUN_NAME_RULE}")
+    return value
+
+
+def _settings(table, where):
+    for path, value in _table(table, where).items():
+        if not isinstance(value, (str, int, float)):
+            raise MatrixError(f"{where}: {path} must be a text, a number, true or false, not {value!r}; a path "
+                              'with dots is one key, in quotes: "ppo.epochs" = 10')
 
 
 def _text(value):
@@ -138,7 +158,7 @@ def _cell(data, task, arm_name, seed):
     where = f"[arms.{arm_name}]"
     steps = arm.get("steps", of_task.get("steps", data.get("steps")))
     heads, horizon = arm.get("heads"), arm.get("horizon")
-    return Cell(
+    cell = Cell(
         experiment=data["name"],
         task=task,
         arm=arm_name,
@@ -149,6 +169,23 @@ def _cell(data, task, arm_name, seed):
         horizon=None if horizon is None else _whole(horizon, 1, f"{where} horizon"),
         settings=tuple(sorted((path, _text(value)) for path, value in settings.items())),
     )
+    _name(cell.name, where)
+    return cell
+
+
+def _check_tables(data):
+    _known(data, _TOP, "top level")
+    for key in ("name", "tasks", "seeds", "arms"):
+        if key not in data:
+            raise MatrixError(f"'{key}' is missing")
+    _name(data["name"], "name")
+    _settings(data.get("set", {}), "[set]")
+    for kind, keys in (("task", _TASK), ("arms", _ARM)):
+        for name, table in _table(data.get(kind, {}), f"[{kind}]").items():
+            _known(table, keys, f"[{kind}.{name}]")
+            _settings(table.get("set", {}), f"[{kind}.{name}] set")
+    if not data["arms"]:
+        raise MatrixError("[arms]: needs at least one arm")
 
 
 def load(path):
@@ -158,16 +195,14 @@ def load(path):
             data = tomllib.load(file)
         except tomllib.TOMLDecodeError as error:
             raise MatrixError(str(error)) from None
-    _known(data, _TOP, "top level")
-    for key in ("name", "tasks", "seeds", "arms"):
-        if key not in data:
-            raise MatrixError(f"'{key}' is missing")
+        except UnicodeDecodeError as error:
+            raise MatrixError(f"the file is not UTF-8: {error}") from None
+    _check_tables(data)
     tasks = [_one_of(task, TASKS, "tasks") for task in _list(data["tasks"], "tasks")]
-    for task, table in data.get("task", {}).items():
-        _known(table, _TASK, f"[task.{_one_of(task, TASKS, '[task]')}]")
+    for task in data.get("task", {}):
+        _one_of(task, TASKS, "[task]")
     cells = []
     for name, arm in data["arms"].items():
-        _known(arm, _ARM, f"[arms.{name}]")
         for seed in _list(arm.get("seeds", data["seeds"]), f"[arms.{name}] seeds"):
             for task in _list(arm.get("tasks", tasks), f"[arms.{name}] tasks"):
                 cells.append(_cell(data, _one_of(task, TASKS, f"[arms.{name}] tasks"), name, seed))

@@ -12,6 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 METHODS = ("multihead", "ppo", "ppo-time")
 # A run's name is a folder and a DDS partition, where * ? [ ] would be patterns.
 RUN_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
+RUN_NAME_RULE = "1 to 64 letters, digits, '.', '_' or '-', a letter or digit first"
 
 
 def _whole(low, high=None):
@@ -45,10 +46,7 @@ def _one_of(names):
 
 def _run_name(text):
     if not RUN_NAME.fullmatch(text):
-        raise argparse.ArgumentTypeError(
-            f"'{text}' cannot name a run: 1 to 64 letters, digits, '.', '_' or '-', "
-            "a letter or digit first"
-        )
+        raise argparse.ArgumentTypeError(f"'{text}' cannot name a run: {RUN_NAME_RULE}")
     return text
 
 

@@ -33,6 +33,7 @@ heads = 5
 [arms.ppo]
 method = "ppo"
 """
+ARMS = FILE[FILE.index("[arms"):]
 
 
 class Place:
@@ -43,7 +44,7 @@ class Place:
         self.folder = stage.runs.parent / name
         self.folder.mkdir()
         self.file, self.runs, self.results = (self.folder / n for n in ("e.toml", "runs", "results"))
-        self.file.write_text(text.format(engine=ENGINE, steps=steps))
+        self.file.write_text(text.format(engine=ENGINE, steps=steps), errors="surrogateescape")
 
     def start(self, *options, build=BUILD):
         return self._stage.start(EXPERIMENT, self.file, "--build", build, "--runs", self.runs, "--results",
@@ -178,6 +179,18 @@ def test_a_milestone_that_was_not_evaluated_is_evaluated_in_another_checkout(sta
         ('"ppo.minibatch" = 50', '"ppo.minibach" = 50', "minibatch"),
         ("steps = {steps}", "", "steps"),
         ("name =", "name", "line 2"),
+        ('name = "small"', "name = 5", "name: 5 cannot"),
+        ('name = "small"', 'name = "../small"', "name: '../small' cannot"),
+        ("[arms.multihead]", '[arms."a b"]', "[arms.a b]: 'push-a b-s7' cannot"),
+        ("[arms.ppo]", f"[arms.{64 * 'p'}]", "ppp]: 'push-ppp"),
+        (ARMS, "[arms]", "[arms]: needs at least one arm"),
+        (ARMS, "[arms]\nk2 = 5", "[arms.k2]: 5 is not a table"),
+        ("heads = 5", "heads = 5\nset = 3", "[arms.multihead] set: 3 is not a table"),
+        ("[arms.ppo]", "[task]\npush = 5\n[arms.ppo]", "[task.push]: 5 is not a table"),
+        ("[evaluate]\nepisodes = 1\nplacements =", "evaluate =", "[evaluate]: ['random', 'mt1'] is not a table"),
+        ('"ppo.minibatch" = 50', "ppo.minibatch = 50", '[set]: ppo must be a text, a number, true or false'),
+        ('tasks = ["push"]', 'tasks = [["push"]]', "tasks: '['push']' is not one of"),
+        ('tasks = ["push"]', 'tasks = ["push"] # \udcff', "not UTF-8"),
     ],
 )
 def test_a_file_that_cannot_be_right_is_refused_by_name(stage, old, new, complaint):
