@@ -86,7 +86,8 @@ def draw_policies(wanted, options):
         if wanted and name not in wanted:
             continue
         if program is None:
-            print(f"  {name}: left out, it is drawn by metronome-actor (deploy/setup builds it)", flush=True)
+            print(f"  {name}: left out, it is drawn on the default engine, by build/bin/metronome-actor (deploy/setup "
+                  "builds it)", flush=True)
             continue
         targets = [options.out / f"{name}.png"] + [options.out / f"{task}.mp4"] * options.videos
         for target in targets:

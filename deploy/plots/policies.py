@@ -21,9 +21,10 @@ def found(results):
 
 
 def renderer(root):
-    """The program that draws: of the default engine's build, else of the other's, else None."""
-    programs = (root / build / "bin" / "metronome-actor" for build in ("build", "build-3.3.0"))
-    return next((program for program in programs if program.exists()), None)
+    """The program that draws, None where it is not built. That of the default engine alone: on another
+    one the same policy moves otherwise, and the page quotes the policies on this one."""
+    program = root / "build" / "bin" / "metronome-actor"
+    return program if program.exists() else None
 
 
 def render(program, checkpoint, target):

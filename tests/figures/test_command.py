@@ -6,6 +6,7 @@ import subprocess
 
 import pytest
 
+import policies
 import synthetic
 from conftest import ROOT
 
@@ -90,6 +91,14 @@ def test_a_committed_policy_gets_a_picture_of_its_skills(results, tmp_path):
     assert "![skill-push](results/figures/skill-push.png)" in page.read_text()
     (tmp_path / "results" / "policies" / "push.ckpt").write_bytes(b"no checkpoint")
     assert "push.ckpt: " in figures("--results", tmp_path / "results", "--only", "skill-push", code=1)
+
+
+def test_pictures_are_drawn_by_the_default_engine_alone(tmp_path):
+    for build in ("build-3.3.0", "build"):
+        assert policies.renderer(tmp_path) is None
+        (tmp_path / build / "bin").mkdir(parents=True)
+        (tmp_path / build / "bin" / "metronome-actor").touch()
+    assert policies.renderer(tmp_path) == tmp_path / "build" / "bin" / "metronome-actor"
 
 
 def test_a_cell_on_another_engine_is_compared_with_itself(tmp_path):
