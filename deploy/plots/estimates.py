@@ -8,6 +8,7 @@ two arms on one task have a bootstrap interval and an exact permutation test.
 Every resampling starts from the same fixed seed, so that the same scores give the same numbers.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -126,6 +127,11 @@ def difference(x_by_seed, y_by_seed):
     else:
         estimate = _estimate(lambda a, b: a.mean() - b.mean(), x[:, None], y[:, None])
     return Difference(estimate, paired, _permutation_test(x, y), (len(x), len(y)))
+
+
+def smallest_p(x_seeds, y_seeds):
+    """The least p that the exact test of `difference` can give with so many seeds."""
+    return 2 / math.comb(x_seeds + y_seeds, x_seeds)
 
 
 def pooled_difference(x_by_task, y_by_task):

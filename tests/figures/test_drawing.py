@@ -110,6 +110,24 @@ def test_a_table_says_where_seeds_are_too_few(tmp_path):
     assert "too few" in tables.final(read(tmp_path)).splitlines()[2]
 
 
+def test_a_table_of_differences_says_the_smallest_p_of_its_own_seeds(tmp_path):
+    for task, seeds in (("push", (1, 2, 3)), ("assembly", (1, 2, 3, 4, 5)), ("box-close", (1, 2))):
+        for seed in seeds:
+            synthetic.cell(tmp_path, "main", task, "multihead", seed)
+            synthetic.cell(tmp_path, "main", task, "ppo", seed, method="ppo", heads=1)
+            if task == "push":
+                synthetic.cell(tmp_path, "controls", task, "shuffled", seed)
+    found = read(tmp_path)
+    assert "smallest possible is 0.100 with 3 and 3 seeds, 0.008 with 5 and 5. " in tables.differences(found)
+    assert "smallest possible is 0.100 with 3 and 3 seeds. " in tables.control_differences(found)
+
+
+def test_a_table_without_tests_tells_of_none(tmp_path):
+    for arm in ("multihead", "ppo"):
+        synthetic.cell(tmp_path, "main", "push", arm, 1)
+    assert "permutation" not in tables.differences(read(tmp_path))
+
+
 def test_evaluations_on_other_placements_are_kept_apart(tmp_path):
     folder = synthetic.cell(tmp_path, "main", "push", "multihead", 1)
     path = folder / "evaluation.csv"

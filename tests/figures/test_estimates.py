@@ -112,6 +112,12 @@ def test_complete_separation_of_five_and_five_has_the_smallest_p():
     assert got.p == pytest.approx(2 / 252)
 
 
+@pytest.mark.parametrize("n, m", [(3, 3), (5, 5), (3, 5), (4, 3)])
+def test_the_smallest_possible_p_is_that_of_complete_separation(n, m):
+    got = estimates.difference({s: 10.0 + s for s in range(n)}, {-1 - s: -float(s) for s in range(m)})
+    assert got.p == pytest.approx(estimates.smallest_p(n, m))
+
+
 def test_no_difference_at_all_is_certain_of_nothing():
     got = estimates.difference({s: 0.0 for s in range(5)}, {s: 0.0 for s in range(5)})
     assert (got.estimate.low, got.estimate.high, got.p) == (0, 0, 1)
