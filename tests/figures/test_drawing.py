@@ -90,6 +90,16 @@ def test_known_names_come_first():
         "assembly", "push", "door", "zebra"]
 
 
+def test_wall_clock_panels_end_with_the_longest_curve(tmp_path):
+    """Not with the longest run: an arm's mean ends with its shortest."""
+    for seed, steps_per_update in ((1, 9000), (2, 90000)):
+        synthetic.cell(tmp_path, "main", "push", "multihead", seed, steps_per_update=steps_per_update)
+        synthetic.cell(tmp_path, "main", "push", "ppo", seed, steps_per_update=2 * steps_per_update)
+    figure, _ = learning.wallclock(read(tmp_path))
+    ends = [max(line.get_xdata()) for line in figure.axes[0].lines]
+    assert figure.axes[0].get_xlim()[1] == pytest.approx(max(ends)) and max(ends) < 3
+
+
 def test_every_figure_and_table_can_be_made_of_one_run_without_evaluation(tmp_path):
     for experiment in ("main", "heads", "controls", "solve"):
         synthetic.cell(tmp_path, experiment, "push", "multihead", 1, evaluations=0, updates=3)

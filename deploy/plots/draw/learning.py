@@ -185,11 +185,11 @@ def wallclock(experiments):
         style.note(ax, "n = " + ", ".join(str(count) if count else "–" for count in counts))
         ax.set_title(task, loc="left")
         ax.set_ylim(-0.03, 1.03)
-        end = max(cell.progress["wall_seconds"][-1] for cell in scores.select(cells, task)) / 60
+        end = max(line.get_xdata()[-1] for line in ax.lines)
         ax.set_xlim(0, np.nextafter(end, np.inf))
         ax.set_xlabel("wall-clock time (minutes)")
     axes[0, 0].set_ylabel("success, " + NOISE)
     style.legend(figure, style.arm_handles(cells, arms))
     return figure, ("Success under training noise against wall-clock time of the run. Runs shared a machine "
                     "of 2 cores with other runs: times are upper bounds and scatter. " + BAND
-                    + "A mean ends with the arm's shortest run. " + SMOOTHED + COUNTS)
+                    + "A mean ends with the arm's shortest run, a panel with its longest mean. " + SMOOTHED + COUNTS)
