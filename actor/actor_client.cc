@@ -3,11 +3,10 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "common/config.h"
-#include "common/network.h"
+#include "common/snapshot.h"
 
 namespace metronome {
 namespace {
@@ -39,16 +38,6 @@ std::optional<std::string> ParseRunConfig(const std::string& bytes, RunConfig* c
     return error.what();
   }
   return std::nullopt;
-}
-
-bool Fits(const PolicySnapshot& snapshot, const RunConfig& config) {
-  const auto finite = [](const std::vector<float>& values) {
-    return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
-  };
-  return snapshot.parameters.size() == ActorLayout(ShapeOf(config)).size &&
-         snapshot.observation_mean.size() == kObservationSize &&
-         snapshot.observation_inv_std.size() == kObservationSize && finite(snapshot.parameters) &&
-         finite(snapshot.observation_mean) && finite(snapshot.observation_inv_std);
 }
 
 }  // namespace
@@ -223,9 +212,10 @@ void ActorClient::QueueReady() {
   if (!workers_) return;
   std::vector<EpisodeTask> tasks = book_.TakeReady();
   std::erase_if(tasks, [this](const EpisodeTask& task) {
-    if (Fits(*task.snapshot, config_)) return false;
-    spdlog::warn("dropped the order of episode {}: snapshot {} does not fit the run's network",
-                 task.number, task.snapshot->version);
+    const auto defect = SnapshotDefect(*task.snapshot, config_);
+    if (!defect) return false;
+    spdlog::warn("dropped the order of episode {}: snapshot {} cannot be acted with: {}",
+                 task.number, task.snapshot->version, *defect);
     return true;
   });
   workers_->Add(std::move(tasks));

@@ -32,9 +32,11 @@ const std::map<std::string, Range>& Ranges() {
       {"environment.horizon", {1, 500}},
       {"policy.heads", {1, kUnbounded}},
       {"policy.hidden", {1, 4096}},
-      // exp of it is a finite, positive float32.
-      {"policy.initial_log_std", {-87, 88}},
-      {"policy.observation_clip", {0, kUnbounded, true}},
+      // Learning moves it from there: 20 leaves room to where no actor can act
+      // (common/snapshot.cc).
+      {"policy.initial_log_std", {-20, 20}},
+      // Times the largest weight that a snapshot may have (common/snapshot.cc): a finite float32.
+      {"policy.observation_clip", {0, 1e9, true}},
       {"policy.noise_correlation", {0, 0.999}},
       {"ppo.learning_rate", {0, kUnbounded, true}},
       {"ppo.learning_rate_floor", {0, 1}},

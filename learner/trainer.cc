@@ -238,6 +238,10 @@ UpdateReport Trainer::Update(const std::vector<Episode>& episodes) {
   next.adam_v = std::move(optimiser.adam_v);
   next.adam_steps = optimiser.adam_steps;
   impl.Advance(episodes, next);
+  // Finite weights may still give actions that are not: no actor would play another episode.
+  if (const auto defect = SnapshotDefect(SnapshotOf(next, impl.config), impl.config)) {
+    throw NonFiniteUpdate("no actor can act with the new policy: " + *defect);
+  }
   report.lag = impl.state.version - behaviour.version;
   report.version = next.version;
   report.steps = next.steps;

@@ -12,7 +12,8 @@
 
 namespace metronome {
 
-/// A loss, gradient or parameter of an update is not finite.
+/// A loss, gradient or parameter of an update is not finite, or actions of the new policy may not
+/// be.
 class NonFiniteUpdate : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

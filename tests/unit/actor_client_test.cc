@@ -421,10 +421,19 @@ TEST_F(ActorClientTest, WhatMakesNoSenseIsDropped) {
   infinite.parameters.front() = std::numeric_limits<float>::infinity();
   bus_.Push(infinite);
   bus_.Push(Order(3, 1, {7}));
-  bus_.Push(Snapshot(3, 2));
+  PolicySnapshot wild = Snapshot(3, 2);  // finite, but the std is not
+  wild.parameters.back() = 89;
+  bus_.Push(wild);
   bus_.Push(Order(3, 2, {8}));
+  PolicySnapshot huge = Snapshot(3, 3);  // finite, but the means are not
+  huge.parameters.assign(huge.parameters.size(), 3e38F);
+  std::fill(huge.parameters.end() - 40, huge.parameters.end(), 0.0F);
+  bus_.Push(huge);
+  bus_.Push(Order(3, 3, {9}));
+  bus_.Push(Snapshot(3, 4));
+  bus_.Push(Order(3, 4, {10}));
   ASSERT_TRUE(WaitForEpisodes(1));
-  EXPECT_EQ(Published(), Texts{"8/2/3"});
+  EXPECT_EQ(Published(), Texts{"10/4/3"});
 }
 
 TEST_F(ActorClientTest, PlayersExceptionEndsIt) {

@@ -2,12 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "common/random.h"
+#include "common/snapshot.h"
 #include "learner/trainer.h"
 #include "tests/unit/double_network.h"
 #include "tests/unit/synthetic_run.h"
@@ -141,6 +146,63 @@ TEST(PolicyTest, RefusesASnapshotOfAnotherShape) {
   PolicySnapshot snapshot = RandomSnapshot(SmallConfig());
   snapshot.parameters.pop_back();
   EXPECT_THROW(Policy(SmallConfig(), snapshot), std::invalid_argument);
+}
+
+/// The decision of step 0 on observations of `observed` each.
+Policy::Decision DecideOn(const RunConfig& config, const PolicySnapshot& snapshot, float observed) {
+  Policy policy(config, snapshot);
+  const HeadSchedule schedule(config, TrainingEpisode(config, 0));
+  const std::vector<float> observation(kObservationSize, observed);
+  return policy.Act(schedule, observation.data(), 0, {8.5F, -8.5F, 0.5F, 0.0F});
+}
+
+TEST(SnapshotDefectTest, WhatIsLargeAndAcceptedStillActsFinitely) {
+  const RunConfig config = SmallConfig();
+  const std::size_t log_std = ActorLayout(ShapeOf(config)).log_std;
+  for (const float largest : {1e20F, -1e20F}) {
+    for (const float log_std_value : {46.0F, -46.0F}) {
+      PolicySnapshot snapshot = RandomSnapshot(config);
+      std::fill(snapshot.parameters.begin(), snapshot.parameters.end(), largest);
+      std::fill(snapshot.parameters.begin() + std::ptrdiff_t(log_std), snapshot.parameters.end(),
+                log_std_value);
+      std::fill(snapshot.observation_inv_std.begin(), snapshot.observation_inv_std.end(), 1e20F);
+      EXPECT_EQ(SnapshotDefect(snapshot, config), std::nullopt);
+      const Policy::Decision decision = DecideOn(config, snapshot, 3.0F);
+      for (const float component : decision.action) EXPECT_TRUE(std::isfinite(component));
+      EXPECT_TRUE(std::isfinite(decision.log_prob));
+    }
+  }
+}
+
+TEST(SnapshotDefectTest, NamesWhatNoActorCanActWith) {
+  const RunConfig config = SmallConfig();
+  const auto defect = [&config](const auto& spoil) {
+    PolicySnapshot snapshot = RandomSnapshot(config);
+    spoil(snapshot);
+    return SnapshotDefect(snapshot, config).value_or("none");
+  };
+  const float infinity = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(defect([](PolicySnapshot&) {}), "none");
+  EXPECT_NE(defect([](PolicySnapshot& s) { s.parameters.pop_back(); }).find("parameters"),
+            std::string::npos);
+  EXPECT_NE(defect([](PolicySnapshot& s) { s.observation_mean.pop_back(); }).find("statistics"),
+            std::string::npos);
+  for (const float value : {2e20F, -3e38F, infinity, std::nanf("")}) {
+    EXPECT_TRUE(defect([&](PolicySnapshot& s) {
+                  s.parameters.front() = value;
+                }).starts_with("a parameter is "))
+        << value;
+    EXPECT_TRUE(defect([&](PolicySnapshot& s) {
+                  s.observation_inv_std[3] = value;
+                }).starts_with("an observation statistic is "))
+        << value;
+  }
+  for (const float value : {46.5F, 88.0F, -46.5F, -infinity, std::nanf("")}) {
+    EXPECT_TRUE(defect([&](PolicySnapshot& s) {
+                  s.parameters.back() = value;
+                }).starts_with("a log-std is "))
+        << value;
+  }
 }
 
 TEST(PolicyTest, RefusesAScheduleOfAnotherNumberOfHeads) {

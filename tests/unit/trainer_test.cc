@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -162,6 +163,21 @@ TEST(TrainerTest, ANonFiniteEpisodeStopsTheUpdateAndKeepsTheState) {
   batch[4].reward[7] = std::numeric_limits<float>::infinity();
   EXPECT_THROW(trainer.Update(batch), NonFiniteUpdate);
   EXPECT_EQ(trainer.state(), before);
+}
+
+TEST(TrainerTest, AnUpdateWhoseStdNoActorCanDrawWithIsRefused) {
+  const RunConfig config = SmallConfig();
+  TrainState state = Trainer::InitialState(config);
+  const auto batch = SyntheticBatch(config, SnapshotOf(state, config), 0);
+  state.parameters[ActorLayout(ShapeOf(config)).log_std] = 80;  // finite, and so is its exp
+  Trainer trainer(config, state, 1);
+  try {
+    trainer.Update(batch);
+    ADD_FAILURE() << "no actor can act with these weights";
+  } catch (const NonFiniteUpdate& error) {
+    EXPECT_NE(std::string(error.what()).find("a log-std is 80"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(trainer.state(), state);
 }
 
 TEST(TrainerTest, RefusesAStateOfAnotherShape) {
