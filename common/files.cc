@@ -11,6 +11,8 @@
 namespace metronome {
 namespace {
 
+namespace fs = std::filesystem;
+
 [[noreturn]] void Fail(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
 }
@@ -74,7 +76,7 @@ class Temporary {
   void Commit() {
     if (rename(name_.c_str(), path_.c_str()) != 0) Fail("cannot replace " + path_);
     committed_ = true;
-    const std::string folder = std::filesystem::path(path_).parent_path().string();
+    const std::string folder = fs::path(path_).parent_path().string();
     Descriptor(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY).Sync();
   }
 
@@ -87,8 +89,22 @@ class Temporary {
 
 std::string ReadFile(const std::string& path) { return Descriptor(path, O_RDONLY).ReadAll(); }
 
+std::string FileToReplace(const std::string& path) {
+  std::error_code error;
+  const fs::file_status there = fs::status(path, error);  // what links lead to
+  if (!fs::exists(there)) return path;
+  if (!fs::is_regular_file(there)) {
+    errno = fs::is_directory(there) ? EISDIR : EPERM;
+    Fail("cannot write " + path + ": it is no regular file; choose another name");
+  }
+  if (!fs::is_symlink(fs::symlink_status(path))) return path;
+  const fs::path file = fs::canonical(path, error);
+  if (error) throw std::system_error(error, "cannot find the file that " + path + " leads to");
+  return file.string();
+}
+
 void WriteFileAtomically(const std::string& path, std::string_view content) {
-  Temporary temporary(path);
+  Temporary temporary(FileToReplace(path));
   {
     Descriptor file(temporary.name(), O_WRONLY | O_CREAT | O_EXCL);
     file.Write(content);

@@ -10,10 +10,18 @@ namespace metronome {
 /// The whole content of a file. @throws std::system_error if it cannot be read (a folder, say).
 std::string ReadFile(const std::string& path);
 
-/// Writes `content` to `path` so that, whatever happens, the path holds the old content or the new:
-/// a temporary file in the same folder is written, synced and renamed, then the folder is synced.
+/// The file that writing to `path` replaces: `path` itself, or where a symbolic link leads, so that
+/// the link stays. A link that leads nowhere is itself replaced.
+/// @throws std::system_error if something is there that is no regular file (a device, a pipe, a
+///         folder): a new file must not take its place.
+std::string FileToReplace(const std::string& path);
+
+/// Writes `content` to FileToReplace(path) so that, whatever happens, it holds the old content or
+/// the new: a temporary file in the same folder is written, synced and renamed, then the folder is
+/// synced.
 /// @throws std::system_error (disk full, no folder); the old content stays and the temporary is
-///         gone.
+///         gone. If only the folder could not be synced, the new content is in place already, but
+///         may not outlive a power cut.
 void WriteFileAtomically(const std::string& path, std::string_view content);
 
 /// Points the symbolic link at `target` (relative to the link's folder), replacing an older link

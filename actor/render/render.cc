@@ -58,7 +58,7 @@ double ArmOpacity(const RenderOptions& options, Medium medium) {
 /// Before an episode is played in vain.
 void RequireWritable(const std::string& path) {
   if (path.empty()) return;
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const std::filesystem::path folder = std::filesystem::path(FileToReplace(path)).parent_path();
   const std::string named = folder.empty() ? "." : folder.string();
   if (!std::filesystem::is_directory(named)) {
     throw std::runtime_error("cannot write " + path + ": there is no folder " + named);

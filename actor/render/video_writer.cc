@@ -113,8 +113,8 @@ void VideoWriter::RequireEncoder() {
       "Debian's package ffmpeg (a .png needs neither)");
 }
 
-VideoWriter::VideoWriter(std::string path, ImageSize size, double frames_per_second)
-    : path_(std::move(path)),
+VideoWriter::VideoWriter(const std::string& path, ImageSize size, double frames_per_second)
+    : path_(FileToReplace(path)),
       unfinished_(path_ + ".tmp." + std::to_string(getpid())),
       complaints_(unfinished_ + ".log") {
   // A frame for an ffmpeg that has ended is an error to report, not the end of this process.

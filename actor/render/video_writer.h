@@ -17,8 +17,8 @@ class VideoWriter {
 
   /// Starts ffmpeg. @param size  even numbers (H.264 halves colours). @param frames_per_second  >
   /// 0.
-  /// @throws std::system_error if it cannot be started.
-  VideoWriter(std::string path, ImageSize size, double frames_per_second);
+  /// @throws std::system_error if it cannot be started, or what is at `path` is no regular file.
+  VideoWriter(const std::string& path, ImageSize size, double frames_per_second);
   /// Without Finish: ends ffmpeg and leaves no file.
   ~VideoWriter();
   VideoWriter(const VideoWriter&) = delete;

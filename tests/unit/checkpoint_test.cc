@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <fstream>
 #include <limits>
 #include <numeric>
+#include <system_error>
 
 #include "common/config.h"
 #include "common/files.h"
@@ -332,6 +334,60 @@ TEST_F(CheckpointStoreTest, AFolderThatCannotBeWrittenLeavesTheOldCheckpoint) {
   EXPECT_THROW(store.Save(SmallCheckpoint(2)), std::system_error);
   EXPECT_EQ(store.Latest(), folder_ + "/000001.ckpt");
   EXPECT_EQ(Names(), (std::vector<std::string>{"000001.ckpt", "000002.ckpt", "latest"}));
+}
+
+class FilesTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = ::testing::TempDir() + "metronome_files_XXXXXX";
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /// What keeps the path from being written.
+  static std::string Refusal(const fs::path& path) {
+    try {
+      WriteFileAtomically(path, "new");
+    } catch (const std::system_error& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(FilesTest, WhatIsNoRegularFileIsNotReplaced) {
+  // As /dev/null and /dev/stdout are for root.
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const fs::path link = folder_ / "link";
+  fs::create_symlink("pipe", link);
+  for (const fs::path& path : {pipe, link, folder_}) {
+    EXPECT_NE(Refusal(path).find("cannot write " + path.string()), std::string::npos)
+        << Refusal(path);
+  }
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2) << "something is left over";
+}
+
+TEST_F(FilesTest, AFileIsWrittenThroughItsLink) {
+  const fs::path file = folder_ / "file";
+  const fs::path link = folder_ / "link";
+  std::ofstream(file) << "old";
+  fs::create_symlink("file", link);
+  WriteFileAtomically(link, "new");
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(ReadFile(file), "new");
+}
+
+TEST_F(FilesTest, ALinkThatLeadsNowhereIsReplaced) {
+  const fs::path link = folder_ / "link";
+  fs::create_symlink("nowhere", link);
+  WriteFileAtomically(link, "new");
+  EXPECT_EQ(ReadFile(link), "new");
 }
 
 }  // namespace

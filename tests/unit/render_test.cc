@@ -1,9 +1,11 @@
 #include "actor/render/render.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -129,6 +131,15 @@ TEST(RunRenderTest, NamesWhatIsWrongWithItsOptions) {
   EXPECT_NE(fail(options, 1).find("no folder no-such-folder"), std::string::npos);
   options.out = "picture.png";
   EXPECT_NE(fail(options, 1).find("no-such-file.ckpt"), std::string::npos);
+  const std::string device = "no-regular-file.png";
+  ASSERT_EQ(mkfifo(device.c_str(), 0600), 0);
+  options.out = device;
+  EXPECT_NE(fail(options, 1).find("cannot write " + device), std::string::npos);
+  options.out = "picture.png";
+  options.csv = device;
+  EXPECT_NE(fail(options, 1).find("cannot write " + device), std::string::npos);
+  std::filesystem::remove(device);
+  options.csv = "";
   options.size = "big";
   EXPECT_NE(fail(options, 2).find("--size big"), std::string::npos);
   options.out = "video.mp4";
