@@ -1,8 +1,12 @@
 #include "actor/options.h"
 
 #include <CLI/CLI.hpp>
-#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
+#include <string>
+#include <type_traits>
 
 #include "common/build_info.h"
 #include "common/cli_parse.h"
@@ -10,6 +14,7 @@
 #include "common/dds/security.h"
 #include "common/logging.h"
 #include "common/near_miss.h"
+#include "common/number_text.h"
 #include "common/task_names.h"
 
 namespace metronome {
@@ -41,6 +46,32 @@ CLI::Validator OneOf(const std::string& kind, const std::vector<std::string>& wo
       "");
 }
 
+std::string NumberText(double value) { return FormatNumber(value); }
+template <std::integral T>
+std::string NumberText(T value) {
+  return std::to_string(value);
+}
+
+/// A number from `low` to `high`, read as the learner reads its own. CLI11 by itself takes -1 for
+/// 2^64 - 1, 010 for eight, and nan for inside any range. For transform, which hands on what was
+/// read.
+template <typename T>
+CLI::Validator Number(T low = std::numeric_limits<T>::lowest(),
+                      T high = std::numeric_limits<T>::max()) {
+  const std::string range = NumberText(low) + " to " + NumberText(high);
+  return CLI::Validator(
+      [low, high, range](std::string& text) {
+        const auto value = ParseNumber<T>(text);
+        if (!value || !(low <= *value && *value <= high)) {
+          return "\"" + text + "\" must be " +
+                 (std::is_integral_v<T> ? "an integer from " : "a number from ") + range;
+        }
+        text = NumberText(*value);
+        return std::string();
+      },
+      "");
+}
+
 CLI::Validator Task() {
   return CLI::Validator(
       [](std::string& word) {
@@ -68,10 +99,10 @@ void AddRun(CLI::App& app, Typed& typed) {
       app.add_subcommand("run", "Join a run: play the episodes that its learner orders");
   run->add_option("--run", typed.run.bus.run_name, "Name of the run")->required();
   run->add_option("--domain", typed.run.bus.domain, "DDS domain, 0 to 232")
-      ->check(CLI::Range(0, 232))
+      ->transform(Number<std::uint32_t>(0, 232))
       ->capture_default_str();
   run->add_option("--envs", typed.run.envs, "Episodes at once, a thread each, 1 to 1024")
-      ->check(CLI::Range(1, 1024))
+      ->transform(Number<int>(1, 1024))
       ->capture_default_str();
   run->add_option("--network", typed.network,
                   "loopback: this machine alone; lan: all interfaces, found by multicast; or peers "
@@ -94,7 +125,7 @@ void AddRun(CLI::App& app, Typed& typed) {
                 "unless --learner-timeout says so");
   run->add_option("--learner-timeout,--wait", typed.run.learner_timeout,
                   "Seconds without a learner after which to give up (exit 3) [60]")
-      ->check(CLI::Range(0.0, 1e9));
+      ->transform(Number<double>(0, 1e9));
   run->add_option("--log", typed.run.log.level, "Least severe level to log, to standard error")
       ->check(OneOf("level", LogLevels()))
       ->capture_default_str();
@@ -130,9 +161,11 @@ void AddPlacements(CLI::App& app, Typed& typed) {
                    "official benchmark's 50")
       ->required()
       ->check(OneOf("mode", {"random", "fixed", "mt1"}));
-  placements->add_option("--seed", typed.placements.seed, "Run seed")->required();
+  placements->add_option("--seed", typed.placements.seed, "Run seed")
+      ->required()
+      ->transform(Number<std::uint64_t>());
   placements->add_option("--count", typed.placements.count, "How many [10 random, 1 fixed, 50 mt1]")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40));
+      ->transform(Number<std::uint64_t>(1, std::uint64_t{1} << 40));
 }
 
 void AddEvaluate(CLI::App& app, Typed& typed) {
@@ -141,10 +174,12 @@ void AddEvaluate(CLI::App& app, Typed& typed) {
       "evaluate", "Measure a checkpoint's deterministic policy on placements never trained on");
   evaluate->add_option("--checkpoint", options.checkpoint, "Checkpoint file")->required();
   evaluate->add_option("--task", options.task, TaskHelp() + " [the checkpoint's]")->check(Task());
-  evaluate->add_option("--episodes", options.episodes, "How many episodes")
-      ->check(CLI::Range(1, 1'000'000))
+  evaluate->add_option("--episodes", options.episodes, "How many episodes, 1 to 1000000")
+      ->transform(Number<std::int32_t>(1, 1'000'000))
       ->capture_default_str();
-  evaluate->add_option("--seed", options.seed, "Seed of the placements")->capture_default_str();
+  evaluate->add_option("--seed", options.seed, "Seed of the placements")
+      ->transform(Number<std::uint64_t>())
+      ->capture_default_str();
   evaluate
       ->add_option("--placements", options.placements,
                    "random: fresh ones; mt1: the official benchmark's 50")
@@ -154,10 +189,11 @@ void AddEvaluate(CLI::App& app, Typed& typed) {
       ->add_option("--head-order", options.head_order,
                    "Which head acts in each of the k blocks of time, e.g. 0,1,1,3 for k = 4 "
                    "[as in training]")
+      ->transform(Number<std::uint32_t>())
       ->delimiter(',')
       ->allow_extra_args(false);
   evaluate->add_option("--threads", options.threads, "Episodes at once; 0: as many as cores")
-      ->check(CLI::Range(0, 1024))
+      ->transform(Number<std::int32_t>(0, 1024))
       ->capture_default_str();
   evaluate->add_flag("--json", options.json, "Print one JSON object");
 }
@@ -177,8 +213,10 @@ void AddRender(CLI::App& app, Typed& typed) {
                      "success; --out is not needed then");
   render->add_option("--task", options.task, TaskHelp() + " [the checkpoint's]")->check(Task());
   render->add_option("--seed", options.seed, "Seed of the placements, as evaluate's")
+      ->transform(Number<std::uint64_t>())
       ->capture_default_str();
   render->add_option("--episode", options.episode, "Which of evaluate's episodes, from 0")
+      ->transform(Number<std::uint64_t>())
       ->capture_default_str();
   render
       ->add_option("--placements", options.placements,
@@ -195,14 +233,14 @@ void AddRender(CLI::App& app, Typed& typed) {
   render
       ->add_option("--arm-opacity", options.arm_opacity,
                    "0 to 1: shows what the arm hides [.png with path 0.4, else 1]")
-      ->check(CLI::Range(0.0, 1.0));
-  render->add_option("--step", options.step,
-                     ".png: draw the arm as after so many steps [the last]");
+      ->transform(Number<double>(0, 1));
+  render->add_option("--step", options.step, ".png: draw the arm as after so many steps [the last]")
+      ->transform(Number<std::int32_t>());
   render->add_option("--every", options.every, ".mp4: a frame every so many steps, 80 a second")
-      ->check(CLI::Range(1, 1'000'000))
+      ->transform(Number<int>(1, 1'000'000))
       ->capture_default_str();
   render->add_option("--speed", options.speed, ".mp4: times real time")
-      ->check(CLI::Range(0.01, 100.0))
+      ->transform(Number<double>(0.01, 100))
       ->capture_default_str();
 }
 
