@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -97,9 +98,10 @@ class Reader {
     fdds::SampleInfo info;
     do {
       Envelope<Wire> envelope;
+      const std::uint64_t deaths = watch_->Deaths();  // before: a sample may come while we look
       const ReturnCode code = reader_->take_next_sample(&envelope, &info);
       if (code == ReturnCode::RETCODE_NO_DATA) {
-        watch_->Drained();
+        watch_->Drained(deaths);
         return std::nullopt;
       }
       if (code != ReturnCode::RETCODE_OK) {

@@ -17,9 +17,14 @@ void WriterWatch::Saw(const fdds::InstanceHandle_t& writer, std::uint64_t id) {
   }
 }
 
-void WriterWatch::Drained() {
+std::uint64_t WriterWatch::Deaths() const {
   const std::lock_guard lock(mutex_);
-  dead_.clear();
+  return deaths_;
+}
+
+void WriterWatch::Drained(std::uint64_t mark) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(dead_, [mark](const auto& writer) { return writer.second <= mark; });
 }
 
 std::optional<std::uint64_t> WriterWatch::NextLost() {
@@ -61,7 +66,7 @@ void WriterWatch::on_subscription_matched(fdds::DataReader* /*reader*/,
       dead_.erase(writer);
       return;
     }
-    dead_.insert(writer);
+    dead_[writer] = ++deaths_;
     const auto peer = peers_.find(writer);
     if (peer == peers_.end()) return;
     lost_.push_back(peer->second);

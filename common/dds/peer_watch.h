@@ -25,8 +25,11 @@ class WriterWatch final : public fdds::DataReaderListener {
 
   /// A sample of peer `id` was taken. If its writer is gone already, the peer is lost after it.
   void Saw(const fdds::InstanceHandle_t& writer, std::uint64_t id);
-  /// The reader has no sample left, so none of a writer that left either.
-  void Drained();
+  /// How many writers have left so far: a mark for Drained.
+  [[nodiscard]] std::uint64_t Deaths() const;
+  /// The reader had no sample left after Deaths() was `mark`, so none of a writer that had left by
+  /// then. One that left since may have left a sample behind.
+  void Drained(std::uint64_t mark);
   /// The id of a peer that is gone; oldest first. Ask after its samples were taken: they come
   /// first, so that a peer's last words are heard.
   std::optional<std::uint64_t> NextLost();
@@ -47,7 +50,9 @@ class WriterWatch final : public fdds::DataReaderListener {
   Inbox* const inbox_;
   mutable std::mutex mutex_;
   std::map<fdds::InstanceHandle_t, std::uint64_t> peers_;  // alive writers that were heard
-  std::set<fdds::InstanceHandle_t> dead_;                  // writers whose samples may be left over
+  std::uint64_t deaths_ = 0;
+  std::map<fdds::InstanceHandle_t, std::uint64_t> dead_;  // writers whose samples may be left over,
+                                                          // and which death each was
   std::deque<std::uint64_t> lost_;  // at most one entry a writer that was heard
   bool incompatible_ = false;
 };
