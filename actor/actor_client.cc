@@ -12,6 +12,8 @@ namespace metronome {
 namespace {
 
 constexpr std::chrono::milliseconds kCloseTimeout{2000};
+// A run has one, and one more while it changes; outsiders may say that they are some.
+constexpr std::size_t kMostLearners = 16;
 
 double Seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
@@ -23,6 +25,19 @@ const RunDescription* Best(const std::map<std::uint64_t, RunDescription>& learne
     if (best == nullptr || learner.incarnation > best->incarnation) best = &learner;
   }
   return best;
+}
+
+/// The oldest incarnation but the obeyed one goes when there are too many: it is never the best.
+void ForgetOldest(const std::optional<RunDescription>& obeyed,
+                  std::map<std::uint64_t, RunDescription>* learners) {
+  if (learners->size() <= kMostLearners) return;
+  const auto age = [&obeyed](const auto& entry) {
+    const bool is_obeyed = obeyed && entry.first == obeyed->learner_id;
+    return std::pair(is_obeyed, entry.second.incarnation);
+  };
+  learners->erase(
+      std::min_element(learners->begin(), learners->end(),
+                       [&age](const auto& a, const auto& b) { return age(a) < age(b); }));
 }
 
 bool SameStart(const RunDescription& a, const RunDescription& b) {
@@ -105,6 +120,7 @@ std::optional<ActorEnd> ActorClient::HandleDescription(RunDescription descriptio
   }
   const std::uint64_t id = description.learner_id;
   learners_[id] = std::move(description);
+  ForgetOldest(obeyed_, &learners_);
   return Reconsider();
 }
 

@@ -18,13 +18,16 @@ struct EpisodeTask {
 };
 
 /// Brings orders and snapshots together, whatever order they and their learner's description come
-/// in: topics are not ordered among each other. Bounded. Not thread-safe.
+/// in: topics are not ordered among each other. Orders that can never be played are forgotten:
+/// those of a learner older than the obeyed one, and those whose snapshot was overtaken. Bounded.
+/// Not thread-safe.
 class OrderBook {
  public:
   static constexpr std::size_t kMaxSnapshots = 8;        // the newest arrivals
   static constexpr std::size_t kMaxHeldNumbers = 16384;  // waiting for a snapshot, in all
 
-  /// Orders of this learner start are given out from now on; those of the one before are dropped.
+  /// Orders of this learner start are given out from now on; those of the one before, and of older
+  /// ones, are dropped.
   void Obey(std::uint64_t incarnation);
   /// Nobody is obeyed: all orders are dropped.
   void ObeyNobody();
@@ -41,7 +44,10 @@ class OrderBook {
  private:
   using SnapshotPointer = std::shared_ptr<const PolicySnapshot>;
   [[nodiscard]] SnapshotPointer Find(const EpisodeOrder& order) const;
-  void DropOrdersOf(std::uint64_t incarnation);
+  [[nodiscard]] bool IsPast(const EpisodeOrder& order) const;
+  /// Drops the orders for which `is_dropped(order)` holds.
+  template <class Predicate>
+  void Drop(Predicate is_dropped);
 
   std::optional<std::uint64_t> incarnation_;
   std::deque<SnapshotPointer> snapshots_;

@@ -293,6 +293,18 @@ TEST_F(ActorClientTest, OfTwoLearnersOfOneIncarnationTheLowerIdIsObeyed) {
   ASSERT_TRUE(WaitForStatusOf(2));
 }
 
+TEST_F(ActorClientTest, RemembersTheObeyedAndTheNewestOfManyLearners) {
+  Start();
+  bus_.Push(Describe(100, 1));
+  ASSERT_TRUE(WaitForStatusOf(100));
+  for (std::uint64_t id = 2; id < 100; ++id) bus_.Push(Describe(id, id));
+  bus_.Push(LearnerLost{1});
+  ASSERT_TRUE(WaitForStatusOf(99));
+  for (std::uint64_t id = 99; id > 84; --id) bus_.Push(LearnerLost{id});
+  bus_.Push(Describe(1, 200));
+  ASSERT_TRUE(WaitForStatusOf(1)) << "an older learner than the 16 is still remembered";
+}
+
 /// What is logged while it lives.
 class LogCapture {
  public:
@@ -477,6 +489,49 @@ TEST(OrderBookTest, RefusesMoreThanItHolds) {
   EXPECT_EQ(book.TakeReady().size(), OrderBook::kMaxHeldNumbers);
   EXPECT_EQ(book.held(), 0);
   EXPECT_TRUE(book.Add(order));
+}
+
+TEST(OrderBookTest, ForgetsOrdersOfLearnersThatWereOvertaken) {
+  OrderBook book;
+  ASSERT_TRUE(book.Add(Order(5, 0, {1})));
+  book.Obey(6);
+  EXPECT_EQ(book.held(), 0U) << "one that came before its successor was obeyed";
+  ASSERT_TRUE(book.Add(Order(5, 0, {2, 3})));
+  EXPECT_EQ(book.held(), 0U) << "one that came after";
+  ASSERT_TRUE(book.Add(Order(7, 0, {4})));
+  EXPECT_EQ(book.held(), 1U) << "its learner may be obeyed next";
+  book.Obey(2);
+  EXPECT_EQ(book.held(), 1U);
+  ASSERT_TRUE(book.Add(Order(2, 0, {5})));
+  book.Obey(3);
+  EXPECT_EQ(book.held(), 1U) << "an order of the learner before";
+}
+
+TEST(OrderBookTest, ForgetsOrdersWhoseSnapshotWasOvertaken) {
+  OrderBook book;
+  book.Obey(1);
+  ASSERT_TRUE(book.Add(Order(1, 3, {30})));
+  ASSERT_TRUE(book.Add(Order(1, 4, {40})));
+  book.Add(Snapshot(1, 4));
+  EXPECT_EQ(book.TakeReady().size(), 1U);
+  EXPECT_EQ(book.held(), 1U) << "with overlap 1, batch 4 is played under version 3";
+  book.Add(Snapshot(2, 9));
+  EXPECT_EQ(book.held(), 1U) << "a snapshot of another learner says nothing";
+  book.Add(Snapshot(1, 5));
+  EXPECT_EQ(book.held(), 0U);
+  ASSERT_TRUE(book.Add(Order(1, 3, {31})));
+  EXPECT_EQ(book.held(), 0U) << "topics are not ordered: the snapshot may come first";
+  ASSERT_TRUE(book.Add(Order(1, 6, {60})));
+  EXPECT_EQ(book.held(), 1U);
+}
+
+TEST(OrderBookTest, SnapshotsThatCameBeforeTheirLearnerWasObeyedCountToo) {
+  OrderBook book;
+  ASSERT_TRUE(book.Add(Order(1, 3, {30})));
+  book.Add(Snapshot(1, 5));
+  EXPECT_EQ(book.held(), 1U);
+  book.Obey(1);
+  EXPECT_EQ(book.held(), 0U);
 }
 
 }  // namespace
