@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <atomic>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include "common/dds/dds_bus.h"
 #include "common/dds/endpoints.h"
@@ -32,6 +34,11 @@ class Ends {
   /// looks on is no learner.
   [[nodiscard]] bool HasLearner() const {
     return episode_watch_.IsReadByAny(learner_watch_.Processes());
+  }
+
+  /// Learners that were heard here and whose loss Next has not told.
+  [[nodiscard]] std::vector<std::uint64_t> UntoldLearners() const {
+    return learner_watch_.Untold();
   }
 
   ActorBus::SendResult Send(EpisodeMessage message, const std::atomic<bool>& closed) {
@@ -139,6 +146,7 @@ class DdsActorBus final : public ActorBus {
   std::optional<ActorEvent> Next() {
     const std::lock_guard lock(next_mutex_);
     if (inbox_.TakeWoken()) return Woken{};
+    if (const auto lost = NextUntold()) return lost;
     auto event = ends_->Next();
     const Clock::time_point now = Clock::now();
     if (ends_->HasLearner()) {
@@ -146,12 +154,27 @@ class DdsActorBus final : public ActorBus {
     } else if (now >= renew_at_ || (event && std::holds_alternative<LearnerLost>(*event))) {
       Renew();
     }
-    return event;
+    return event ? event : NextUntold();
+  }
+
+  std::optional<ActorEvent> NextUntold() {
+    if (untold_.empty()) return std::nullopt;
+    const LearnerLost lost{untold_.front()};
+    untold_.pop_front();
+    return lost;
   }
 
   void Renew() {
     const std::lock_guard lock(ends_mutex_);
-    ends_.reset();  // first: the new one may need its shared-memory port
+    // The new one tells of no loss of those that only the old one knew; whoever lives is heard
+    // anew.
+    if (ends_) {
+      const auto untold = ends_->UntoldLearners();
+      untold_.insert(untold_.end(), untold.begin(), untold.end());
+    }
+    // First: the new one may need its shared-memory port. A worker inside Send keeps the old one
+    // until its write returns; both are there then, as two participants of one process.
+    ends_.reset();
     ends_ = std::make_shared<Ends>(options_, actor_id_, &inbox_);
     renew_at_ = Clock::now() + kRenewEvery;
   }
@@ -170,8 +193,9 @@ class DdsActorBus final : public ActorBus {
   std::atomic<bool> closed_{false};
   std::mutex next_mutex_;
   Inbox inbox_;
-  Clock::time_point renew_at_;     // guarded by next_mutex_, as Renew is once constructed
-  mutable std::mutex ends_mutex_;  // held while there are none
+  std::deque<std::uint64_t> untold_;  // learners of earlier ends; guarded as renew_at_
+  Clock::time_point renew_at_;        // guarded by next_mutex_, as Renew is once constructed
+  mutable std::mutex ends_mutex_;     // held while there are none
   std::shared_ptr<Ends> ends_;
 };
 

@@ -35,6 +35,13 @@ std::optional<std::uint64_t> WriterWatch::NextLost() {
   return id;
 }
 
+std::vector<std::uint64_t> WriterWatch::Untold() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::uint64_t> ids(lost_.begin(), lost_.end());
+  for (const auto& [writer, peer] : peers_) ids.push_back(peer);
+  return ids;
+}
+
 bool WriterWatch::TakeIncompatible() {
   const std::lock_guard lock(mutex_);
   return std::exchange(incompatible_, false);

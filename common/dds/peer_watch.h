@@ -33,6 +33,8 @@ class WriterWatch final : public fdds::DataReaderListener {
   /// The id of a peer that is gone; oldest first. Ask after its samples were taken: they come
   /// first, so that a peer's last words are heard.
   std::optional<std::uint64_t> NextLost();
+  /// Peers whose loss was not told yet: those that are gone, and those that live.
+  [[nodiscard]] std::vector<std::uint64_t> Untold() const;
   /// Whether a writer was turned away for its quality of service since this last returned true.
   bool TakeIncompatible();
   /// The process that wrote the last sample seen of the peer, while it lives.

@@ -250,6 +250,30 @@ TEST(DdsBusTest, LastWordsOfALearnerComeBeforeItsLoss) {
   EXPECT_EQ(std::get<LearnerLost>(*second).learner_id, 1);
 }
 
+TEST(DdsBusTest, EachOfTwoLearnersThatLeaveTogetherIsReported) {
+  const BusOptions options = FreshRun();
+  const auto actor = MakeDdsActorBus(options, 11);
+  {
+    const auto learner = MakeDdsLearnerBus(options);
+    learner->Publish(SomeDescription(1, options.run_name));
+    ASSERT_TRUE(Next<RunDescription>(*actor));
+    const auto rival = MakeDdsLearnerBus(options);
+    rival->Publish(SomeDescription(2, options.run_name));
+    ASSERT_TRUE(Next<RunDescription>(*actor));
+  }
+  // Until the actor's end knows, without its looking at events.
+  for (const auto deadline = Soon(); Clock::now() < deadline;) {
+    if (actor->Send(SomeEpisode(0)) == ActorBus::SendResult::kNoLearner) break;
+  }
+  std::set<std::uint64_t> lost;
+  for (int i = 0; i < 2; ++i) {
+    const auto event = Next<LearnerLost>(*actor);
+    ASSERT_TRUE(event) << i << " of 2 were reported";
+    lost.insert(event->learner_id);
+  }
+  EXPECT_EQ(lost, (std::set<std::uint64_t>{1, 2}));
+}
+
 TEST(DdsBusTest, RivalLearnersSeeEachOtherComeAndGoButNeverThemselves) {
   const BusOptions options = FreshRun();
   const auto learner = MakeDdsLearnerBus(options);
