@@ -18,6 +18,7 @@
 #include "common/policy.h"
 #include "common/random.h"
 #include "common/snapshot.h"
+#include "common/start_threads.h"
 
 namespace metronome {
 namespace {
@@ -66,7 +67,7 @@ Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
   std::mutex failure_mutex;
-  const auto work = [&] {
+  const auto work = [&](std::size_t /*thread*/) {
     try {
       const auto environment = metaworld::MakeEnvironment(task, environment_options);
       for (std::size_t i = next++; i < evaluation.episodes.size(); i = next++) {
@@ -82,9 +83,9 @@ Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
   const auto cores = static_cast<std::int32_t>(std::max(1U, std::thread::hardware_concurrency()));
   const std::int32_t wanted =
       std::min(options.threads > 0 ? options.threads : cores, options.episodes);
-  std::vector<std::thread> threads;
-  threads.reserve(static_cast<std::size_t>(wanted));
-  for (std::int32_t i = 0; i < wanted; ++i) threads.emplace_back(work);
+  std::vector<std::thread> threads = StartThreads(
+      static_cast<std::size_t>(wanted), work, [&] { next = evaluation.episodes.size(); },
+      "--threads");
   for (std::thread& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
   Summarise(evaluation);

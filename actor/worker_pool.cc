@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/cpu_times.h"
+#include "common/start_threads.h"
 
 namespace metronome {
 
@@ -11,7 +12,9 @@ WorkerPool::WorkerPool(std::vector<std::unique_ptr<EpisodePlayer>> players, Deli
     : deliver_(std::move(deliver)),
       on_failure_(std::move(on_failure)),
       players_(std::move(players)) {
-  for (const auto& player : players_) threads_.emplace_back([this, &player] { Work(*player); });
+  threads_ = StartThreads(
+      players_.size(), [this](std::size_t slot) { Work(*players_[slot]); }, [this] { Cancel(); },
+      "--envs");
 }
 
 WorkerPool::~WorkerPool() {

@@ -24,6 +24,7 @@ class WorkerPool {
 
   /// @param on_failure  called once, on a worker's thread, when playing or delivering threw; see
   ///                    failure().
+  /// @throws std::runtime_error if a thread cannot be started.
   WorkerPool(std::vector<std::unique_ptr<EpisodePlayer>> players, Deliver deliver,
              std::function<void()> on_failure);
   /// Cancels and joins; blocks as long as the slowest step or `deliver` does.

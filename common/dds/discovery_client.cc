@@ -55,16 +55,32 @@ DiscoveryClient::DiscoveryClient(const std::vector<Network::Peer>& servers, bool
     addresses_.emplace(prefix, peer);
   }
   if (!probes) return;
+  try {
+    OpenProbes();
+    thread_ = std::thread([this] { Probe(); });
+  } catch (...) {
+    CloseProbes();
+    throw;
+  }
+}
+
+// Not by the thread: what it threw would end the process.
+void DiscoveryClient::OpenProbes() {
   stop_ = eventfd(0, EFD_CLOEXEC);
   if (stop_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
-  thread_ = std::thread([this] { Probe(); });
+  for (const auto& [prefix, peer] : addresses_) probes_.emplace(prefix, ConnectedSocket(peer));
+}
+
+void DiscoveryClient::CloseProbes() {
+  for (const auto& [prefix, probe] : probes_) close(probe);
+  if (stop_ >= 0) close(stop_);
 }
 
 void DiscoveryClient::Stop() {
   if (!thread_.joinable()) return;
   eventfd_write(stop_, 1);
   thread_.join();
-  close(stop_);
+  CloseProbes();
 }
 
 void DiscoveryClient::on_participant_discovery(
@@ -87,15 +103,12 @@ void DiscoveryClient::on_participant_discovery(
 }
 
 void DiscoveryClient::Probe() {
-  std::map<Prefix, int> sockets;
-  for (const auto& [prefix, peer] : addresses_) sockets.emplace(prefix, ConnectedSocket(peer));
   pollfd stop{stop_, POLLIN, 0};
   do {
-    for (const auto& [prefix, probe] : sockets) {
+    for (const auto& [prefix, probe] : probes_) {
       if (IsRefused(probe, addresses_.at(prefix))) Drop(prefix);
     }
   } while (poll(&stop, 1, kProbeMilliseconds) == 0);
-  for (const auto& [prefix, probe] : sockets) close(probe);
 }
 
 void DiscoveryClient::Drop(const Prefix& server) {

@@ -25,6 +25,7 @@ class DiscoveryClient final : public LeaseRaceGuard {
  public:
   /// @param probes  for the participant that newcomers look for: the learner's. Others join anew
   ///                when they have lost the learner.
+  /// @throws std::system_error if there is no socket or thread to probe with.
   DiscoveryClient(const std::vector<Network::Peer>& servers, bool probes);
   ~DiscoveryClient() override { Stop(); }
   DiscoveryClient(const DiscoveryClient&) = delete;
@@ -39,12 +40,15 @@ class DiscoveryClient final : public LeaseRaceGuard {
  private:
   using Prefix = eprosima::fastrtps::rtps::GuidPrefix_t;
 
+  void OpenProbes();
+  void CloseProbes();
   void Probe();
   void Drop(const Prefix& server);
 
   std::map<Prefix, Network::Peer> addresses_;
   std::mutex mutex_;
   std::map<Prefix, Proxy*> servers_;  // those that are known now
+  std::map<Prefix, int> probes_;      // a socket a server
   int stop_ = -1;                     // an eventfd
   std::thread thread_;
 };

@@ -99,10 +99,13 @@ std::optional<int> NumberOf(const std::filesystem::path& descriptor) {
   return error == std::errc{} ? std::optional(number) : std::nullopt;
 }
 
+/// This process's open descriptors; none if there is no descriptor left to list them by.
 std::vector<int> Descriptors() {
   std::vector<int> descriptors;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
-    if (const auto descriptor = NumberOf(entry.path())) descriptors.push_back(*descriptor);
+  std::error_code error;  // destructors list them too, and must not throw
+  for (std::filesystem::directory_iterator entry("/proc/self/fd", error), end; entry != end;
+       entry.increment(error)) {
+    if (const auto descriptor = NumberOf(entry->path())) descriptors.push_back(*descriptor);
   }
   return descriptors;
 }
