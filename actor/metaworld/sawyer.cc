@@ -213,10 +213,17 @@ void SawyerEnvironment::Replay(const RecordedStart& start) {
   object_init_ = internal("obj_init_pos");
   target_ = start.goal;
   std::copy_n(start.observation.begin(), kFrameSize, previous_frame_.begin());
+  const auto recorded = [this](mjtObj type, const char* kind, const std::string& name) {
+    const int index = mj_name2id(model_.get(), type, name.c_str());
+    if (index < 0)
+      throw std::invalid_argument(std::string("recorded ") + kind + " \"" + name +
+                                  "\" is not in the scene " + task_.scene);
+    return index;
+  };
   for (const auto& [name, position] : start.bodies)
-    std::copy_n(position.data(), 3, model_->body_pos + 3 * Body(name.c_str()));
+    std::copy_n(position.data(), 3, model_->body_pos + 3 * recorded(mjOBJ_BODY, "body", name));
   for (const auto& [name, position] : start.sites)
-    std::copy_n(position.data(), 3, model_->site_pos + 3 * Site(name.c_str()));
+    std::copy_n(position.data(), 3, model_->site_pos + 3 * recorded(mjOBJ_SITE, "site", name));
   steps_ = 0;
 }
 

@@ -161,6 +161,21 @@ TEST_F(TraceTest, AStateOfAnotherSceneIsRefused) {
       << run.error;
 }
 
+TEST_F(TraceTest, ABodyOrSiteThatTheSceneLacksIsNamed) {
+  const auto refusal = [this](const std::string& before, const std::string& after) {
+    std::string text = PlainText();
+    text.replace(text.find(before), before.size(), after);
+    const Run run = Trace({"push", Write(text), "forced", ""});
+    EXPECT_EQ(run.status, 2);
+    EXPECT_EQ(run.out, "");
+    return run.error;
+  };
+  const std::string body = refusal("pos_changed\": {}", "pos_changed\": {\"nobody\": [0, 0, 0]}");
+  EXPECT_NE(body.find("recorded body \"nobody\" is not in the scene"), std::string::npos) << body;
+  const std::string site = refusal("\"goal\": [0, 0.85, 0.0194]}}", "\"gaol\": [0, 0, 0]}}");
+  EXPECT_NE(site.find("recorded site \"gaol\" is not in the scene"), std::string::npos) << site;
+}
+
 TEST_F(TraceTest, ARecordingOfAnotherTaskIsRefused) {
   const Run run = Trace({"assembly", kPush, "free", ""});
   EXPECT_EQ(run.status, 2);
