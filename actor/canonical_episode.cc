@@ -6,9 +6,14 @@
 #include <cmath>
 #include <memory>
 #include <stdexcept>
+#include <vector>
 
 #include "actor/metaworld/placement.h"
 #include "actor/metaworld/sawyer.h"
+#include "common/config.h"
+#include "common/head_schedule.h"
+#include "common/network.h"
+#include "common/policy.h"
 #include "common/random.h"
 
 namespace metronome {
@@ -81,13 +86,59 @@ void AddEpisode(Digest& digest, const std::string& task, const std::string& asse
   }
 }
 
-}  // namespace
-
-std::string CanonicalDigest(const std::string& task, const std::string& assets) {
+std::string EnvironmentDigest(const std::string& task, const std::string& assets) {
   Digest digest;
   AddElementary(digest);
   AddEpisode(digest, task, assets);
   return digest.Hex();
+}
+
+/// Not the run's own: what matters is written out, so that no new default changes the digest.
+RunConfig PolicyConfiguration() {
+  RunConfig config;
+  config.mutable_environment()->set_task("push");
+  config.mutable_environment()->set_horizon(kSteps);
+  auto& policy = *config.mutable_policy();
+  policy.set_method(MULTIHEAD);
+  policy.set_heads(10);
+  policy.add_hidden(128);
+  policy.add_hidden(128);
+  policy.set_observation_clip(10);
+  policy.set_schedule(SCHEDULE_BLOCKS);
+  return Resolve(config);
+}
+
+std::string PolicyDigest() {
+  const RunConfig config = PolicyConfiguration();
+  RandomStream stream(RandomPurpose::kEvaluate, kSeed, kNumber, 2);
+  const auto uniform = [&stream](std::size_t count, double bound) {
+    std::vector<float> numbers(count);
+    for (float& number : numbers) number = float(bound * (2 * stream.Uniform() - 1));
+    return numbers;
+  };
+  PolicySnapshot snapshot;
+  snapshot.parameters = uniform(ActorLayout(ShapeOf(config)).size, 0.25);
+  snapshot.observation_mean = uniform(kObservationSize, 1);
+  snapshot.observation_inv_std = uniform(kObservationSize, 4);
+  Policy policy(config, snapshot);
+  const HeadSchedule schedule(config, TrainingEpisode(config, 0));
+  Digest digest;
+  for (std::int32_t t = 0; t < kSteps; ++t) {
+    const std::vector<float> observation = uniform(kObservationSize, 2);
+    std::array<float, kActionSize> noise{};
+    for (float& number : noise) number = float(stream.Normal());
+    const Policy::Decision decision = policy.Act(schedule, observation.data(), t, noise);
+    for (const float number : decision.mean) digest.Add(number);
+    for (const float number : decision.action) digest.Add(number);
+    digest.Add(decision.log_prob);
+  }
+  return digest.Hex();
+}
+
+}  // namespace
+
+std::string CanonicalDigest(const std::string& task, const std::string& assets) {
+  return EnvironmentDigest(task, assets) + PolicyDigest();
 }
 
 }  // namespace metronome

@@ -2,6 +2,8 @@
 
 #include <gnu/libc-version.h>
 
+#include <Eigen/Core>
+
 // CMakeLists.txt defines METRONOME_VERSION, METRONOME_ENGINE and METRONOME_FLAGS for this file.
 namespace metronome {
 
@@ -14,8 +16,9 @@ std::string BuildIdentity() {
   const std::string compiler = "gcc " __VERSION__;
 #endif
   // glibc picks variants of exp, log and the like itself: the loaded one counts, not the built one.
-  return "metronome " METRONOME_VERSION ", " + compiler + ", " METRONOME_FLAGS ", glibc " +
-         gnu_get_libc_version();
+  return "metronome " METRONOME_VERSION ", " + compiler + ", " METRONOME_FLAGS ", eigen " +
+         std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) + "." +
+         std::to_string(EIGEN_MINOR_VERSION) + ", glibc " + gnu_get_libc_version();
 }
 
 std::string ProjectVersion() { return METRONOME_VERSION; }

@@ -66,7 +66,7 @@ struct ActorStatus {
   std::uint32_t pid = 0;
   std::string engine;
   std::string build;
-  std::string canonical_digest;  // hex SHA-256 of a canonical episode of the run's task
+  std::string canonical_digest;  // of the run's task: actor/canonical_episode.h
   std::uint32_t slots = 0;       // episodes it plays at once
   std::uint64_t episodes_done = 0;
   double steps_per_second = 0;  // wall-clock: shown, never used

@@ -41,6 +41,8 @@ Admission::Decision Admission::Judge(const ActorStatus& status) {
     digest_ = status.canonical_digest;
     digest_from_ = "the first actor, on " + status.host + " (" + Shown(status.build) + ")";
   }
+  // A checkpoint of an older build holds the first part alone (actor/canonical_episode.h).
+  if (status.canonical_digest.starts_with(digest_)) digest_ = status.canonical_digest;
   if (digest_ != status.canonical_digest) return {Verdict::kRefuse, DigestComplaint(status)};
   return {Verdict::kAdmit, {}};
 }

@@ -150,9 +150,11 @@ TEST_P(EnvironmentTest, ObservationsStackTheFrameBefore) {
 
 TEST_P(EnvironmentTest, TheCanonicalDigestIsAFunctionOfTheTask) {
   const std::string digest = CanonicalDigest(GetParam());
-  EXPECT_EQ(digest.size(), 64U);
+  EXPECT_EQ(digest.size(), 128U) << "the environment's, then the policy's";
   EXPECT_EQ(CanonicalDigest(GetParam() + "-v3"), digest);
-  EXPECT_NE(CanonicalDigest(GetParam() == "push" ? "assembly" : "push"), digest);
+  const std::string other = CanonicalDigest(GetParam() == "push" ? "assembly" : "push");
+  EXPECT_NE(other.substr(0, 64), digest.substr(0, 64));
+  EXPECT_EQ(other.substr(64), digest.substr(64)) << "one policy for all tasks";
 }
 
 TEST_P(EnvironmentTest, AnActionThatIsNotFiniteIsRefused) {

@@ -362,6 +362,18 @@ TEST(CoordinatorTest, AfterAResumeActorsMustEqualTheCheckpointsDigest) {
   EXPECT_TRUE(Contains(other.refused, "digest-1"));
 }
 
+TEST(CoordinatorTest, AfterAResumeTheDigestOfAnOlderBuildIsTheFirstPartOfANewOne) {
+  FakeRun run;
+  run.Resume(1);
+  run.AddActor(1).status.canonical_digest = "digest-1 and the policy's";
+  FakeActor& other = run.AddActor(2);
+  other.status.canonical_digest = "digest-1 and another policy's";
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_TRUE(run.actors.at(1).refused.empty()) << run.actors.at(1).refused;
+  EXPECT_TRUE(Contains(other.refused, "digest-1 and the policy's")) << other.refused;
+  EXPECT_EQ(run.record.saved.back().canonical_digest, "digest-1 and the policy's");
+}
+
 TEST(CoordinatorTest, AFullDiskIsLoudAndTheRunGoesOn) {
   FakeRun run;
   run.record.full = [](std::uint64_t version) { return version == 1 || version == 2; };
