@@ -12,7 +12,7 @@
 namespace metronome {
 
 /// Fills every unset field with its default, the derived ones too (heads and minibatch by what else
-/// is set, the final entropy coefficient), and brings the task's spelling to its canonical form.
+/// is set), and brings the task's spelling to its canonical form.
 /// Never fails: what cannot be right is left for Validate.
 RunConfig Resolve(RunConfig config);
 

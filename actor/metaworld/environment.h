@@ -10,8 +10,9 @@
 
 namespace metronome::metaworld {
 
-using Observation =
-    std::array<double, kObservationSize>;  // metres, quaternions; see environment.cc
+/// Metres, quaternions: the frame of now, the one of a step before (kFrameSize in sawyer.h), the
+/// goal's position.
+using Observation = std::array<double, kObservationSize>;
 using Action = std::array<float, kActionSize>;
 using RandVec = std::array<double, 6>;  // placement: object xyz, goal xyz, metres
 

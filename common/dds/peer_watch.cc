@@ -91,11 +91,6 @@ void WriterWatch::on_requested_incompatible_qos(
   inbox_->Notify();
 }
 
-bool ReaderWatch::HasReader() const {
-  const std::lock_guard lock(mutex_);
-  return !readers_.empty();
-}
-
 bool ReaderWatch::IsReadBy(const ParticipantKey& process) const {
   const std::lock_guard lock(mutex_);
   return readers_.count(process) > 0;

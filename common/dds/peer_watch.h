@@ -64,7 +64,6 @@ class ReaderWatch final : public fdds::DataWriterListener {
  public:
   explicit ReaderWatch(Inbox* inbox) : inbox_(inbox) {}
 
-  [[nodiscard]] bool HasReader() const;
   [[nodiscard]] bool IsReadBy(const ParticipantKey& process) const;
   [[nodiscard]] bool IsReadByAny(const std::vector<ParticipantKey>& processes) const;
 

@@ -84,7 +84,7 @@ class RawWriter {
 
   /// @return false at the deadline.
   bool WaitForReader(Clock::time_point deadline) {
-    const auto there = [this] { return watch_.HasReader() ? std::optional(true) : std::nullopt; };
+    const auto there = [this] { return HasReader() ? std::optional(true) : std::nullopt; };
     return inbox_.Wait(deadline, there).has_value();
   }
 
@@ -92,12 +92,18 @@ class RawWriter {
   /// @return false if it was not acknowledged within 20 s.
   bool Write(Bytes bytes) {
     while (writer_->write(&bytes, dds::fdds::HANDLE_NIL) != dds::ReturnCode::RETCODE_OK) {
-      if (!watch_.HasReader()) return false;
+      if (!HasReader()) return false;
     }
     return writer_->wait_for_acknowledgments({20, 0}) == dds::ReturnCode::RETCODE_OK;
   }
 
  private:
+  [[nodiscard]] bool HasReader() const {
+    dds::fdds::PublicationMatchedStatus status;
+    writer_->get_publication_matched_status(status);
+    return status.current_count > 0;
+  }
+
   void Delete() {
     participant_->delete_contained_entities();
     factory_->delete_participant(participant_);
