@@ -9,6 +9,13 @@ namespace {
 // Both builds and what they differ in must fit into a refusal (idl/metronome.idl).
 constexpr std::size_t kMaxBuildShown = 500;
 
+// A checkpoint of an older build holds the first of the two SHA-256 alone
+// (actor/canonical_episode.h). Nothing longer than both: it would turn all others away.
+bool Completes(const std::string& digest, const std::string& older) {
+  constexpr std::size_t kSha256 = 64;  // hex digits
+  return older.size() == kSha256 && digest.size() == 2 * kSha256 && digest.starts_with(older);
+}
+
 std::string Shown(const std::string& build) {
   return build.size() <= kMaxBuildShown ? build : build.substr(0, kMaxBuildShown) + "...";
 }
@@ -41,8 +48,7 @@ Admission::Decision Admission::Judge(const ActorStatus& status) {
     digest_ = status.canonical_digest;
     digest_from_ = "the first actor, on " + status.host + " (" + Shown(status.build) + ")";
   }
-  // A checkpoint of an older build holds the first part alone (actor/canonical_episode.h).
-  if (status.canonical_digest.starts_with(digest_)) digest_ = status.canonical_digest;
+  if (Completes(status.canonical_digest, digest_)) digest_ = status.canonical_digest;
   if (digest_ != status.canonical_digest) return {Verdict::kRefuse, DigestComplaint(status)};
   return {Verdict::kAdmit, {}};
 }

@@ -24,8 +24,8 @@ class Admission {
   /// @param digest       of the run's canonical episode, empty before any actor brought one.
   Admission(const RunDescription& description, std::string digest);
 
-  /// The first admitted actor sets the run's digest; the others must equal it. A digest that begins
-  /// with the run's, and says more, takes its place.
+  /// The first admitted actor sets the run's digest; the others must equal it. A digest that
+  /// completes that of an older build takes its place.
   Decision Judge(const ActorStatus& status);
 
   /// Empty until an actor was admitted.

@@ -362,16 +362,22 @@ TEST(CoordinatorTest, AfterAResumeActorsMustEqualTheCheckpointsDigest) {
   EXPECT_TRUE(Contains(other.refused, "digest-1"));
 }
 
-TEST(CoordinatorTest, AfterAResumeTheDigestOfAnOlderBuildIsTheFirstPartOfANewOne) {
+TEST(CoordinatorTest, AfterAResumeTheDigestOfAnOlderBuildIsCompletedOnce) {
+  const std::string older(64, 'a');
+  const std::string whole = older + std::string(64, 'b');
   FakeRun run;
   run.Resume(1);
-  run.AddActor(1).status.canonical_digest = "digest-1 and the policy's";
-  FakeActor& other = run.AddActor(2);
-  other.status.canonical_digest = "digest-1 and another policy's";
+  run.learning.current.canonical_digest = older;
+  FakeActor& longer = run.AddActor(1);
+  longer.status.canonical_digest = whole + "b";
+  run.AddActor(2).status.canonical_digest = whole;
+  FakeActor& other = run.AddActor(3);
+  other.status.canonical_digest = older + std::string(64, 'c');
   EXPECT_EQ(run.Run(), kExitFinished);
-  EXPECT_TRUE(run.actors.at(1).refused.empty()) << run.actors.at(1).refused;
-  EXPECT_TRUE(Contains(other.refused, "digest-1 and the policy's")) << other.refused;
-  EXPECT_EQ(run.record.saved.back().canonical_digest, "digest-1 and the policy's");
+  EXPECT_TRUE(Contains(longer.refused, older)) << longer.refused;
+  EXPECT_TRUE(run.actors.at(2).refused.empty()) << run.actors.at(2).refused;
+  EXPECT_TRUE(Contains(other.refused, whole)) << other.refused;
+  EXPECT_EQ(run.record.saved.back().canonical_digest, whole);
 }
 
 TEST(CoordinatorTest, AFullDiskIsLoudAndTheRunGoesOn) {
