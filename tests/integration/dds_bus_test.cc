@@ -1,7 +1,6 @@
 #include "common/dds/dds_bus.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <condition_variable>
 #include <mutex>
@@ -273,16 +272,6 @@ TEST(DdsBusTest, EachOfTwoLearnersThatLeaveTogetherIsReported) {
     lost.insert(event->learner_id);
   }
   EXPECT_EQ(lost, (std::set<std::uint64_t>{1, 2}));
-}
-
-TEST(DdsBusTest, ALearnerOverTcpEndsWithNoDescriptorLeft) {
-  auto learner = MakeDdsLearnerBus(FreshRun(Transport::kTcp));
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
-  const rlimit none{0, before.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
-  learner.reset();  // it looks its connections up, and must not throw
-  EXPECT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
 }
 
 TEST(DdsBusTest, RivalLearnersSeeEachOtherComeAndGoButNeverThemselves) {
