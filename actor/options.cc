@@ -1,20 +1,17 @@
 #include "actor/options.h"
 
 #include <CLI/CLI.hpp>
-#include <concepts>
 #include <cstdint>
-#include <limits>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 
 #include "common/build_info.h"
+#include "common/cli_number.h"
 #include "common/cli_parse.h"
 #include "common/config.h"
 #include "common/dds/security.h"
 #include "common/logging.h"
 #include "common/near_miss.h"
-#include "common/number_text.h"
 #include "common/task_names.h"
 
 namespace metronome {
@@ -42,32 +39,6 @@ CLI::Validator OneOf(const std::string& kind, const std::vector<std::string>& wo
           if (word == known) return std::string();
         }
         return UnknownName(kind, word, words);
-      },
-      "");
-}
-
-std::string NumberText(double value) { return FormatNumber(value); }
-template <std::integral T>
-std::string NumberText(T value) {
-  return std::to_string(value);
-}
-
-/// A number from `low` to `high`, read as the learner reads its own. CLI11 by itself takes -1 for
-/// 2^64 - 1, 010 for eight, and nan for inside any range. For transform, which hands on what was
-/// read.
-template <typename T>
-CLI::Validator Number(T low = std::numeric_limits<T>::lowest(),
-                      T high = std::numeric_limits<T>::max()) {
-  const std::string range = NumberText(low) + " to " + NumberText(high);
-  return CLI::Validator(
-      [low, high, range](std::string& text) {
-        const auto value = ParseNumber<T>(text);
-        if (!value || !(low <= *value && *value <= high)) {
-          return "\"" + text + "\" must be " +
-                 (std::is_integral_v<T> ? "an integer from " : "a number from ") + range;
-        }
-        text = NumberText(*value);
-        return std::string();
       },
       "");
 }

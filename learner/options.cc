@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/build_info.h"
+#include "common/cli_number.h"
 #include "common/cli_parse.h"
 #include "common/config.h"
 #include "common/logging.h"
@@ -140,7 +141,8 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
 void AddStatusOptions(CLI::App& command, StatusOptions& options) {
   command.add_option("RUN", options.run, "Name of the run")->type_name("");
   command.add_option("--domain", options.domain, "DDS domain, 0 to 232 [default: 0]")
-      ->type_name("N");
+      ->type_name("N")
+      ->transform(Number<std::uint32_t>(0, 232));
   command.add_option("--transport", options.transport, "udp, shm or tcp [default: udp]")
       ->type_name("X");
   command
@@ -161,7 +163,7 @@ void AddStatusOptions(CLI::App& command, StatusOptions& options) {
   command
       .add_option("--wait", options.wait_seconds, "Seconds to look for the learner [default: 10]")
       ->type_name("S")
-      ->check(CLI::Range(0.0, 86400.0));
+      ->transform(Number<double>(0, 86400));
 }
 
 /// --goal speaks in words, its field is a truth value.

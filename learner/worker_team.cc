@@ -2,12 +2,14 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <stdexcept>
 #include <thread>
 #include <vector>
 
 #include "common/cpu_times.h"
+#include "common/start_threads.h"
 
 namespace metronome {
 namespace {
@@ -33,8 +35,14 @@ void AwaitChange(const std::atomic<T>& value, T old) {
 }  // namespace
 
 struct WorkerTeam::Impl {
-  explicit Impl(int threads) {
-    for (int i = 1; i < threads; ++i) workers.emplace_back([this] { Work(); });
+  explicit Impl(int threads)
+      : workers(StartThreads(
+            static_cast<std::size_t>(threads - 1), [this](std::size_t) { Work(); },
+            [this] { Dismiss(); }, "runtime.learner_threads")) {}
+
+  void Dismiss() {
+    stopping = true;
+    NextRound();
   }
 
   void Work() {
@@ -53,6 +61,10 @@ struct WorkerTeam::Impl {
 
   void StartRound() {
     working = static_cast<int>(workers.size());
+    NextRound();
+  }
+
+  void NextRound() {
     ++round;
     round.notify_all();
   }
@@ -68,7 +80,7 @@ struct WorkerTeam::Impl {
   std::atomic<std::size_t> next{0};
   std::atomic<std::uint32_t> round{0};  // begun so far
   std::atomic<int> working{0};          // workers that have not ended this round
-  std::vector<std::thread> workers;
+  std::vector<std::thread> workers;     // last: they use the others
 };
 
 WorkerTeam::WorkerTeam(int threads) {
@@ -77,8 +89,7 @@ WorkerTeam::WorkerTeam(int threads) {
 }
 
 WorkerTeam::~WorkerTeam() {
-  impl_->stopping = true;
-  impl_->StartRound();
+  impl_->Dismiss();
   for (std::thread& worker : impl_->workers) worker.join();
 }
 

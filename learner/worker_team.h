@@ -10,7 +10,8 @@ namespace metronome {
 /// chance; results must go to places that the task's index names.
 class WorkerTeam {
  public:
-  /// @param threads  in all, the caller included; at least 1.
+  /// @param threads  in all, the caller included; at least 1. @throws std::runtime_error if they
+  ///                 cannot all be started.
   explicit WorkerTeam(int threads);
   ~WorkerTeam();
   WorkerTeam(const WorkerTeam&) = delete;

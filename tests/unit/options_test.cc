@@ -331,6 +331,8 @@ TEST_F(OptionsTest, StatusShowsARunOfAnyName) {
     EXPECT_EQ(std::get<StatusOptions>(std::get<LearnerCommand>(parsed)).run, name);
   }
   ExpectUsageError(Parse({"status"}), "name the RUN to show");
+  ExpectUsageError(Parse({"status", "demo", "--domain", "233"}), "from 0 to 232");
+  ExpectUsageError(Parse({"status", "demo", "--wait", "nan"}), "from 0 to 86400");
 }
 
 }  // namespace
