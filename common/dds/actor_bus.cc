@@ -146,7 +146,7 @@ class DdsActorBus final : public ActorBus {
   std::optional<ActorEvent> Next() {
     const std::lock_guard lock(next_mutex_);
     if (inbox_.TakeWoken()) return Woken{};
-    if (const auto lost = NextUntold()) return lost;
+    if (auto lost = NextUntold()) return lost;
     auto event = ends_->Next();
     const Clock::time_point now = Clock::now();
     if (ends_->HasLearner()) {
