@@ -71,10 +71,9 @@ def exchange(checkpoint, options):
     policy = said_by(learner, "inspect", checkpoint, "--json")
     if policy["schedule"] == "interleaved":
         raise Refused(f"{checkpoint}: interleaved heads have no blocks of time to exchange")
-    evaluate = (actor, "evaluate", "--checkpoint", checkpoint, "--episodes", options.episodes,
-                "--seed", options.seed, "--json", "--head-order")
+    evaluate = (actor, "evaluate", "--checkpoint", checkpoint, "--seed", options.seed, "--json")
+    engine = said_by(*evaluate, "--episodes", 1)["engine_used"]
     plan = [",".join(map(str, order)) for order in orders(policy["heads"])]
-    engine = said_by(*evaluate[:4], "--episodes", 1, "--json")["engine_used"]
     same = {"episodes": options.episodes, "seed": options.seed, "engine": engine,
             "weights_sha256": policy["weights_sha256"]}
     path = options.out / f"{checkpoint.stem}.csv"
@@ -82,7 +81,7 @@ def exchange(checkpoint, options):
     for number, order in enumerate(plan, 1):
         if order in there:
             continue
-        result = said_by(*evaluate, order)
+        result = said_by(*evaluate, "--episodes", options.episodes, "--head-order", order)
         add_row(path, {"order": order} | {key: result[key] for key in COLUMNS[1:5]} | same)
         print(f"{checkpoint.stem} {number}/{len(plan)}  {order}  success {result['success']:.2f}  "
               f"return {result['return']:.0f}", flush=True)
