@@ -338,6 +338,21 @@ void SendLateWhenRefused(FakeRun& run, std::uint64_t refused, std::uint64_t late
   };
 }
 
+/// Nothing that came late from the refused one's side entered.
+void RunToTheTruthThoughRefused(FakeRun& run, std::uint64_t refused) {
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+  EXPECT_NE(run.actors.at(refused).refused, "");
+  EXPECT_GT(run.bus.statuses.back().rejected, 0U) << "nothing came late: the test tests nothing";
+}
+
+/// One update of 12 episodes.
+void AuditOnlyNumber2(FakeRun& run) {
+  run.setup.rules.episodes_per_update = 12;
+  run.setup.rules.updates_total = 1;
+  run.setup.rules.audit = {0.1, KeyThatChooses(0.1, 2, 12)};
+}
+
 std::vector<EpisodeMessage> LieOnlyOn2(const EpisodeMessage& truth) {
   return truth.episode.number == 2 ? Lie(truth) : std::vector<EpisodeMessage>{};
 }
@@ -345,25 +360,18 @@ std::vector<EpisodeMessage> LieOnlyOn2(const EpisodeMessage& truth) {
 // Nobody audits its other episodes, so nothing but its exclusion keeps them out.
 TEST(AuditedRunTest, WhatAnExcludedHostHasUnderWayIsNotLearntFrom) {
   FakeRun run;
-  run.setup.rules.episodes_per_update = 12;
-  run.setup.rules.updates_total = 1;
-  run.setup.rules.audit = {0.1, KeyThatChooses(0.1, 2, 12)};
+  AuditOnlyNumber2(run);
   run.AddActor(1);
   run.AddActor(2, 8).answer = LieOnlyOn2;
   run.AddActor(3);
   SendLateWhenRefused(run, 2, 2);
-  EXPECT_EQ(run.Run(), kExitFinished);
-  ExpectAllTrue(run);
-  EXPECT_NE(run.actors.at(2).refused, "");
-  EXPECT_GT(run.bus.statuses.back().rejected, 0U) << "nothing came late: the test tests nothing";
+  RunToTheTruthThoughRefused(run, 2);
 }
 
 // The lost actor cannot be refused, but it may not be dead: its link may have been.
 TEST(AuditedRunTest, WhatALostActorOfAnExcludedHostHasUnderWayIsNotLearntFrom) {
   FakeRun run;
-  run.setup.rules.episodes_per_update = 12;
-  run.setup.rules.updates_total = 1;
-  run.setup.rules.audit = {0.1, KeyThatChooses(0.1, 2, 12)};
+  AuditOnlyNumber2(run);
   run.AddActor(1).duration = milliseconds(500);
   run.AddActor(2, 2).answer = LieOnlyOn2;
   FakeActor& lost = run.AddActor(22, 4);
@@ -372,10 +380,7 @@ TEST(AuditedRunTest, WhatALostActorOfAnExcludedHostHasUnderWayIsNotLearntFrom) {
   run.AddActor(3).duration = milliseconds(500);  // so that much of the lost one is still missing
   run.bus.CallAfter(milliseconds(350), [&run] { run.Kill(22); });
   SendLateWhenRefused(run, 2, 22);
-  EXPECT_EQ(run.Run(), kExitFinished);
-  ExpectAllTrue(run);
-  EXPECT_NE(run.actors.at(2).refused, "");
-  EXPECT_GT(run.bus.statuses.back().rejected, 0U) << "nothing came late: the test tests nothing";
+  RunToTheTruthThoughRefused(run, 2);
 }
 
 // Else the opinion of a host that is excluded already would dispute that of the only one left.
@@ -390,10 +395,7 @@ TEST(AuditedRunTest, WhatAnExcludedHostSaysLateDoesNotHoldTheRunUp) {
   ActorStatus comes = honest.status;
   comes.incarnation = FakeRun::kIncarnation;
   run.bus.After(std::chrono::seconds(4), comes);
-  EXPECT_EQ(run.Run(), kExitFinished);
-  ExpectAllTrue(run);
-  EXPECT_NE(run.actors.at(22).refused, "");
-  EXPECT_GT(run.bus.statuses.back().rejected, 0U) << "nothing came late: the test tests nothing";
+  RunToTheTruthThoughRefused(run, 22);
 }
 
 // The other one was asked before it was lost, and its answer comes in the very moment in which

@@ -16,9 +16,9 @@ def exchange(found):
         image = _panel(axes[1, j], policy.returns / policy.returns[0, 0])
         axes[0, j].set_title(task, loc="left")
         axes[1, j].set_xlabel("head that acts")
-    for ax, label in zip(axes[:, 0], ("success", "return, of the policy's own")):
-        ax.set_ylabel("block of time")
-        figure.colorbar(image, ax=axes[0 if ax is axes[0, 0] else 1, :], label=label, shrink=0.9)
+    for row, label in zip(axes, ("success", "return, of the policy's own")):
+        row[0].set_ylabel("block of time")
+        figure.colorbar(image, ax=row, label=label, shrink=0.9)
     episodes = sorted({policy.episodes for policy in found.values()})
     return figure, (
         "The committed policies under their mean action, each block of time given to each head in turn, all other "
