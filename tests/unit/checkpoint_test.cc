@@ -19,6 +19,7 @@
 #include "common/files.h"
 #include "common/network.h"
 #include "common/sha256.h"
+#include "tests/unit/temporary_folder.h"
 
 namespace metronome {
 namespace {
@@ -223,16 +224,8 @@ TEST(CheckpointTest, UnreadableFilesAreNamed) {
   }
 }
 
-class CheckpointStoreTest : public ::testing::Test {
+class CheckpointStoreTest : public TemporaryFolderTest {
  protected:
-  void SetUp() override {
-    std::string pattern = ::testing::TempDir() + "metronome_store_XXXXXX";
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    root_ = pattern;
-    folder_ = (fs::path(root_) / "checkpoints").string();
-  }
-  void TearDown() override { fs::remove_all(root_); }
-
   [[nodiscard]] std::vector<std::string> Names() const {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder_)) {
@@ -242,7 +235,7 @@ class CheckpointStoreTest : public ::testing::Test {
     return names;
   }
 
-  std::string root_, folder_;
+  const std::string folder_ = root_ + "/checkpoints";
 };
 
 TEST_F(CheckpointStoreTest, AnEmptyFolderHasNoLatest) {
@@ -336,15 +329,8 @@ TEST_F(CheckpointStoreTest, AFolderThatCannotBeWrittenLeavesTheOldCheckpoint) {
   EXPECT_EQ(Names(), (std::vector<std::string>{"000001.ckpt", "000002.ckpt", "latest"}));
 }
 
-class FilesTest : public ::testing::Test {
+class FilesTest : public TemporaryFolderTest {
  protected:
-  void SetUp() override {
-    std::string pattern = ::testing::TempDir() + "metronome_files_XXXXXX";
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   /// What keeps the path from being written.
   static std::string Refusal(const fs::path& path) {
     try {
@@ -355,7 +341,7 @@ class FilesTest : public ::testing::Test {
     return "none";
   }
 
-  fs::path folder_;
+  const fs::path folder_ = root_;
 };
 
 TEST_F(FilesTest, WhatIsNoRegularFileIsNotReplaced) {

@@ -13,21 +13,15 @@
 #include "common/network.h"
 #include "common/sha256.h"
 #include "learner/inspect.h"
+#include "tests/unit/temporary_folder.h"
 
 namespace metronome {
 namespace {
 
 namespace fs = std::filesystem;
 
-class OptionsTest : public ::testing::Test {
+class OptionsTest : public TemporaryFolderTest {
  protected:
-  void SetUp() override {
-    std::string pattern = ::testing::TempDir() + "metronome_options_XXXXXX";
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    runs_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(runs_); }
-
   /// Parses `metronome-learner ARGUMENTS`; what it prints goes to out_ and err_.
   std::variant<int, LearnerCommand> Parse(const std::vector<std::string>& arguments) {
     std::vector<const char*> argv = {"metronome-learner"};
@@ -71,7 +65,8 @@ class OptionsTest : public ::testing::Test {
   void SetTask(const std::string& task) { task_ = task; }
 
   std::string task_ = "push";
-  std::string runs_, out_, err_;
+  const std::string runs_ = root_;
+  std::string out_, err_;
 };
 
 TEST_F(OptionsTest, DefaultsAreThoseOfTheConfiguration) {

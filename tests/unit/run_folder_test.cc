@@ -9,21 +9,14 @@
 
 #include "common/files.h"
 #include "learner/excluded_hosts.h"
+#include "tests/unit/temporary_folder.h"
 
 namespace metronome {
 namespace {
 
-class RunFolderTest : public ::testing::Test {
+class RunFolderTest : public TemporaryFolderTest {
  protected:
-  RunFolderTest() {
-    std::string pattern = ::testing::TempDir() + "run_folder_XXXXXX";
-    root_ = mkdtemp(pattern.data());
-  }
-  ~RunFolderTest() override { std::filesystem::remove_all(root_); }
-
   std::string Path() const { return root_ + "/runs/name"; }
-
-  std::string root_;
 };
 
 TEST_F(RunFolderTest, TheIncarnationGrowsAtEachStart) {
