@@ -71,6 +71,7 @@ class Events:
 
     def __init__(self):
         self._selector = selectors.DefaultSelector()
+        self._stops = []  # stop signals that wait() has not told of yet
         self._read, self._write = os.pipe()
         os.set_blocking(self._read, False)
         os.set_blocking(self._write, False)
@@ -87,18 +88,21 @@ class Events:
     def wait(self, timeout):
         """Blocks until something happens or `timeout` seconds (None: forever) have passed.
         @return the stop signals that arrived."""
-        stops = []
-        for key, _ in self._selector.select(timeout):
-            if key.data is None:
-                stops += [n for n in os.read(self._read, 4096) if n in STOP_SIGNALS]
-            else:
-                self._read_lines(key)
+        self._take(0 if self._stops else timeout)
+        stops, self._stops = self._stops, []
         return stops
 
     def drain(self):
-        """Reads what ended children left in their pipes."""
+        """Reads what ended children left in their pipes; wait() tells of stop signals that come meanwhile."""
         while any(key.data for key, _ in self._selector.select(0)):
-            self.wait(0)
+            self._take(0)
+
+    def _take(self, timeout):
+        for key, _ in self._selector.select(timeout):
+            if key.data is None:
+                self._stops += [n for n in os.read(self._read, 4096) if n in STOP_SIGNALS]
+            else:
+                self._read_lines(key)
 
     def _read_lines(self, key):
         on_line, rest = key.data

@@ -119,12 +119,14 @@ class Session:
         self._log = open(logs / "learner.log", "ab", buffering=0)
         for line in self._early:
             self._keep(line)
-        self._actors = [Actor(i, logs / f"actor-{i}.log") for i in range(self._options.actors)]
+        # A run that was finished before needs none; they would wait for a learner that has ended.
+        count = self._options.actors if record["update"] < record["updates_total"] else 0
+        self._actors = [Actor(i, logs / f"actor-{i}.log") for i in range(count)]
         self._view.note(
             f"run {self._options.run}: learner and {len(self._actors)} actors; "
             f"logs in {progress.shown(logs)}/"
         )
-        if not self._actors:
+        if not self._options.actors:
             self._view.note(
                 "no actor here: start them with build/bin/metronome-actor run --run "
                 f"{self._options.run}"

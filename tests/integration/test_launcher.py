@@ -6,6 +6,7 @@ import signal
 
 import pytest
 
+import children
 from harness import BUILD, ENDLESS, ROOT, SMALL, STEPS
 
 TRAIN = str(ROOT / "deploy" / "train")
@@ -67,6 +68,17 @@ def test_an_existing_run_needs_resume(stage):
     launcher = train(stage, "--run", "run")
     assert launcher.wait(30) == 2, launcher
     assert "--resume" in launcher.text, launcher
+
+
+def test_resuming_what_is_finished_starts_no_actor(stage):
+    launcher = train(stage, "--run", "run")
+    assert launcher.wait() == 0, launcher
+    log = stage.runs / "run" / "logs" / "actor-0.log"
+    said = log.read_text()
+    again = train(stage, "--run", "run", "--resume")
+    assert again.wait() == 0, again
+    assert "finished: " in again.text and "learner and 0 actors" in again.text, again
+    assert log.read_text() == said
 
 
 def test_resuming_what_does_not_exist_exits_2(stage):
@@ -155,3 +167,25 @@ def test_without_actors_it_waits_for_others(stage):
     launcher.expect_text("metronome-actor run")
     assert stage.actor("run").wait() == 0
     assert launcher.wait() == 0, launcher
+
+
+@pytest.fixture
+def events():
+    before = {number: signal.getsignal(number) for number in (*children.STOP_SIGNALS, signal.SIGCHLD)}
+    yield children.Events()
+    signal.set_wakeup_fd(-1)
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+def test_a_stop_that_comes_while_output_is_drained_is_told_of_later(events):
+    read, write = os.pipe()
+    lines = []
+    events.watch(os.fdopen(read, "rb"), lines.append)
+    os.write(write, b"last words\n")
+    os.close(write)
+    os.kill(os.getpid(), signal.SIGINT)
+    events.drain()
+    assert lines == [b"last words"]
+    assert events.wait(0) == [signal.SIGINT]
+    assert events.wait(0) == []
