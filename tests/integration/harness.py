@@ -47,6 +47,9 @@ def small(steps):
     return words
 
 
+# A few seconds of work, for tests that strike in the middle of a run.
+LONG_UPDATES = 5 * UPDATES
+LONG = small(LONG_UPDATES * EPISODES * HORIZON)
 ENDLESS = small(100_000_000)  # half a million updates: no test sees the last
 
 
@@ -227,11 +230,11 @@ class Stage:
             LEARNER, "status", run, "--domain", self.domain, "--json", *options, host=host
         )
 
-    def train(self, run, *options, actors=1, actor_options=(), small=SMALL):
+    def train(self, run, *options, actors=1, actor_options=(), small=SMALL, updates=UPDATES):
         """A whole run: a learner and actors, each expected to end well. @return weights_sha256."""
         learner = self.learner(run, *options, small=small)
         team = [self.actor(run, *actor_options) for _ in range(actors)]
-        return self.finish(run, learner, team)
+        return self.finish(run, learner, team, updates)
 
     def finish(self, run, learner, team, updates=UPDATES):
         """Waits for the end of a run. @return weights_sha256 of its last checkpoint."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness import SMALL
+from harness import LONG, LONG_UPDATES, SMALL
 
 
 @pytest.fixture(scope="module")
@@ -12,8 +12,13 @@ def expected(module_stage):
 
 
 @pytest.fixture(scope="module")
+def expected_long(module_stage):
+    return module_stage.train("long", small=LONG, updates=LONG_UPDATES)
+
+
+@pytest.fixture(scope="module")
 def expected_overlapping(module_stage):
-    return module_stage.train("overlapping", "--set", "collection.overlap=1")
+    return module_stage.train("overlapping", "--set", "collection.overlap=1", small=LONG, updates=LONG_UPDATES)
 
 
 def test_two_actors_give_the_weights_of_one(stage, expected):
@@ -49,47 +54,48 @@ def test_an_actor_started_before_the_learner_joins_it(stage, expected):
     assert stage.finish("run", learner, [actor]) == expected
 
 
-def test_an_actor_that_joins_late_changes_nothing(stage, expected):
-    learner, first = stage.learner("run"), stage.actor("run")
+def test_an_actor_that_joins_late_changes_nothing(stage, expected_long):
+    learner, first = stage.learner("run", small=LONG), stage.actor("run")
     learner.expect_update(2)
     late = stage.actor("run")
     assert learner.wait() == 0, learner
     assert first.wait() == 0, first
     # It may have come too late to be seen by the learner; then it finds the run finished or gone.
     late.kill()
-    assert stage.inspect(stage.latest("run"))["weights_sha256"] == expected
+    assert stage.inspect(stage.latest("run"))["weights_sha256"] == expected_long
 
 
-def test_an_actor_killed_and_another_joining_change_nothing(stage, expected):
-    learner, victim = stage.learner("run"), stage.actor("run", "--envs", "2")
+def test_an_actor_killed_and_another_joining_change_nothing(stage, expected_long):
+    learner, victim = stage.learner("run", small=LONG), stage.actor("run", "--envs", "2")
     learner.expect_update(2)
     victim.kill()
     assert learner.child.poll() is None, "the run ended before the actor was killed"
-    assert stage.finish("run", learner, [stage.actor("run")]) == expected
+    assert stage.finish("run", learner, [stage.actor("run")], LONG_UPDATES) == expected_long
 
 
-def test_a_learner_killed_and_resumed_changes_nothing(stage, expected):
-    learner, actor = stage.learner("run"), stage.actor("run")
+def test_a_learner_killed_and_resumed_changes_nothing(stage, expected_long):
+    learner, actor = stage.learner("run", small=LONG), stage.actor("run")
     learner.expect_update(3)
     learner.kill()
     killed_at = stage.inspect(stage.latest("run"))["version"]
-    assert 2 <= killed_at < 8
-    resumed = stage.learner("run", "--resume")
-    assert stage.finish("run", resumed, [actor]) == expected
+    assert 2 <= killed_at < LONG_UPDATES
+    resumed = stage.learner("run", "--resume", small=LONG)
+    assert stage.finish("run", resumed, [actor], LONG_UPDATES) == expected_long
 
 
-def test_overlapping_runs_agree_among_themselves(stage, expected, expected_overlapping):
-    assert expected_overlapping != expected
-    assert stage.train("run", "--set", "collection.overlap=1", actors=3) == expected_overlapping
+def test_overlapping_runs_agree_among_themselves(stage, expected_long, expected_overlapping):
+    assert expected_overlapping != expected_long
+    overlap = ("--set", "collection.overlap=1")
+    assert stage.train("run", *overlap, actors=3, small=LONG, updates=LONG_UPDATES) == expected_overlapping
 
 
 def test_an_overlapping_learner_killed_and_resumed_changes_nothing(stage, expected_overlapping):
     overlap = ("--set", "collection.overlap=1")
-    learner, actor = stage.learner("run", *overlap), stage.actor("run")
+    learner, actor = stage.learner("run", *overlap, small=LONG), stage.actor("run")
     learner.expect_update(3)
     learner.kill()
-    resumed = stage.learner("run", *overlap, "--resume")
-    assert stage.finish("run", resumed, [actor]) == expected_overlapping
+    resumed = stage.learner("run", *overlap, "--resume", small=LONG)
+    assert stage.finish("run", resumed, [actor], LONG_UPDATES) == expected_overlapping
 
 
 @pytest.mark.parametrize("method", ["ppo", "ppo-time"])
@@ -127,9 +133,9 @@ def test_two_actors_give_the_weights_of_one_in_every_arm(stage, expected, arm):
 
 def test_a_shuffled_learner_killed_and_resumed_changes_nothing(stage):
     shuffled = ("--set", "policy.schedule=shuffled")
-    alone = stage.train("alone", *shuffled)
-    learner, actor = stage.learner("run", *shuffled), stage.actor("run", "--envs", "2")
+    alone = stage.train("alone", *shuffled, small=LONG, updates=LONG_UPDATES)
+    learner, actor = stage.learner("run", *shuffled, small=LONG), stage.actor("run", "--envs", "2")
     learner.expect_update(3)
     learner.kill()
-    resumed = stage.learner("run", *shuffled, "--resume")
-    assert stage.finish("run", resumed, [actor]) == alone
+    resumed = stage.learner("run", *shuffled, "--resume", small=LONG)
+    assert stage.finish("run", resumed, [actor], LONG_UPDATES) == alone

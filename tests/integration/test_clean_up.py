@@ -3,6 +3,8 @@
 import signal
 from pathlib import Path
 
+from harness import LONG, LONG_UPDATES
+
 MEMORY = Path("/dev/shm")
 SHM = ("--transport", "shm")
 
@@ -20,14 +22,14 @@ def test_nothing_is_left_of_a_run_that_ends(stage):
 
 def test_what_killed_processes_of_a_run_left_is_removed_when_the_run_goes_on(stage):
     before = files()
-    learner, actor = stage.learner("run", *SHM), stage.actor("run", *SHM)
+    learner, actor = stage.learner("run", *SHM, small=LONG), stage.actor("run", *SHM)
     learner.expect_update(2)
     learner.kill()
     actor.kill()
     left = files() - before
     assert any(name.startswith("fastrtps_port") for name in left)
-    again, helper = stage.learner("run", "--resume", *SHM), stage.actor("run", *SHM)
-    stage.finish("run", again, [helper])
+    again, helper = stage.learner("run", "--resume", *SHM, small=LONG), stage.actor("run", *SHM)
+    stage.finish("run", again, [helper], LONG_UPDATES)
     assert "of this run left" in again.text + helper.text
     assert files() <= before, files() - before
 

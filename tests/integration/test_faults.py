@@ -2,7 +2,7 @@
 
 import signal
 
-from harness import ENDLESS
+from harness import ENDLESS, LONG, LONG_UPDATES
 
 FAILURE, NO_LEARNER, RIVAL = 1, 3, 4  # exit codes
 
@@ -33,12 +33,12 @@ def test_a_second_learner_on_another_machine_is_refused(stage, tmp_path):
 
 
 def test_an_interrupted_learner_leaves_a_checkpoint_and_goes_on(stage):
-    learner, actor = stage.learner("run"), stage.actor("run")
+    learner, actor = stage.learner("run", small=LONG), stage.actor("run")
     learner.expect_update(2)
     learner.signal(signal.SIGINT)
     assert learner.wait() == 130, learner
     assert stage.inspect(stage.latest("run"))["version"] >= 2
-    stage.finish("run", stage.learner("run", "--resume"), [actor])
+    stage.finish("run", stage.learner("run", "--resume", small=LONG), [actor], LONG_UPDATES)
 
 
 def test_an_interrupted_learner_that_cannot_leave_a_checkpoint_ends_with_1(stage):
@@ -57,7 +57,7 @@ def test_an_interrupted_learner_that_cannot_leave_a_checkpoint_ends_with_1(stage
 
 
 def test_a_terminated_actor_ends_within_seconds(stage):
-    learner, actor = stage.learner("run"), stage.actor("run")
+    learner, actor = stage.learner("run", small=LONG), stage.actor("run")
     learner.expect_update(1)
     actor.signal(signal.SIGTERM)
     actor.wait(10)

@@ -2,12 +2,13 @@
 
 import os
 import re
+import select
 import signal
 
 import pytest
 
 import children
-from harness import BUILD, ENDLESS, ROOT, SMALL, STEPS
+from harness import BUILD, ENDLESS, LONG, LONG_UPDATES, ROOT, SMALL, STEPS
 
 TRAIN = str(ROOT / "deploy" / "train")
 TASK, OPTIONS = SMALL[1], SMALL[2:]
@@ -116,16 +117,16 @@ def test_usage_errors_exit_2_and_leave_nothing(stage, options):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_stopping_leaves_a_checkpoint_and_no_orphans_and_resume_goes_on(stage, number):
-    launcher = train(stage, "--run", "run")
-    launcher.expect_text("update    1/8")
+    launcher = train(stage, "--run", "run", small=LONG[2:])
+    launcher.expect_text("update    1/")
     launcher.signal(number)
     assert launcher.wait(90) == 128 + number, launcher
     assert not runs_of(stage)
     assert stage.latest("run").exists()
     assert "--resume" in launcher.text, launcher
-    again = train(stage, "--run", "run", "--resume")
+    again = train(stage, "--run", "run", "--resume", small=LONG[2:])
     assert again.wait() == 0, again
-    assert stage.inspect(stage.latest("run"))["steps"] == STEPS
+    assert stage.inspect(stage.latest("run"))["version"] == LONG_UPDATES
 
 
 def test_stopping_a_run_that_cannot_leave_a_checkpoint_is_a_failure(stage):
@@ -141,21 +142,19 @@ def test_stopping_a_run_that_cannot_leave_a_checkpoint_is_a_failure(stage):
 
 
 def test_a_killed_launcher_leaves_no_orphans(stage):
-    launcher = train(stage, "--run", "run")
-    launcher.expect_text("update    1/8")
-    children = [os.pidfd_open(int(pid)) for pid, _ in runs_of(stage)]
-    assert children
+    launcher = train(stage, "--run", "run", small=ENDLESS[2:])
+    launcher.expect_text("update    1/")
+    started = [os.pidfd_open(int(pid)) for pid, _ in runs_of(stage)]
+    assert started
     launcher.kill()
-    import select
-
-    for child in children:
+    for child in started:
         assert select.select([child], [], [], 30)[0], "a child outlived its launcher"
         os.close(child)
 
 
 def test_a_killed_actor_is_started_again(stage):
-    launcher = train(stage, "--run", "run", actors=1)
-    launcher.expect_text("update    1/8")
+    launcher = train(stage, "--run", "run", actors=1, small=LONG[2:])
+    launcher.expect_text("update    1/")
     actors = [int(pid) for pid, words in runs_of(stage) if words[0].endswith("metronome-actor")]
     os.kill(actors[0], signal.SIGKILL)
     assert launcher.wait() == 0, launcher

@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from harness import ACTOR, STEPS, UPDATES
+from harness import ACTOR, LONG, LONG_UPDATES, STEPS, UPDATES
 
 REQUIRED = {"steps", "return", "success", "success_end", "fps"}
 
@@ -110,10 +110,10 @@ def test_evaluation_reads_the_checkpoint_and_repeats_itself(finished):
 
 
 def test_a_resume_after_sigterm_keeps_one_row_an_update(stage):
-    learner, actor = stage.learner("run"), stage.actor("run")
+    learner, actor = stage.learner("run", small=LONG), stage.actor("run")
     learner.expect_update(2)
     learner.signal(signal.SIGTERM)
     assert learner.wait() == 143, learner
-    stage.finish("run", stage.learner("run", "--resume"), [actor])
+    stage.finish("run", stage.learner("run", "--resume", small=LONG), [actor], LONG_UPDATES)
     steps = [int(record["steps"]) for record in rows(stage, "run")]
-    assert steps == [STEPS // UPDATES * (i + 1) for i in range(UPDATES)]
+    assert steps == [STEPS // UPDATES * (i + 1) for i in range(LONG_UPDATES)]

@@ -11,7 +11,7 @@ import pytest
 
 import capture
 import namespaces
-from harness import ACTOR, BUILD, LEARNER, ROOT, SMALL, parse_json
+from harness import ACTOR, BUILD, LEARNER, LONG, LONG_UPDATES, ROOT, SMALL, parse_json
 from test_clocks import LIBRARY, Clock
 
 sys.path.insert(0, str(ROOT / "deploy" / "credentials"))
@@ -74,15 +74,16 @@ def test_an_observer_sees_a_secured_run_by_its_identity_alone(stage, tmp_path):
     assert blind.wait() == NO_LEARNER, blind
 
 
-def test_resuming_needs_no_word_of_security_to_be_secured(stage, identities, expected):
-    learner = stage.learner("run", *secured(identities / "learner"))
+def test_resuming_needs_no_word_of_security_to_be_secured(stage, identities):
+    expected = stage.train("calm", small=LONG, updates=LONG_UPDATES)
+    learner = stage.learner("run", *secured(identities / "learner"), small=LONG)
     actor = stage.actor("run", *secured(identities / "actor-0"))
     learner.expect_update(2)
     learner.signal(signal.SIGINT)
     assert learner.wait() == 130, learner
     stranger = stage.actor("run", "--wait", 2)
     again = stage.learner("run", "--resume", small=())
-    assert stage.finish("run", again, [actor]) == expected
+    assert stage.finish("run", again, [actor], LONG_UPDATES) == expected
     assert stranger.wait() == NO_LEARNER, stranger
 
 
