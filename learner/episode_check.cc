@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/action_noise.h"
+#include "common/all_finite.h"
 #include "common/head_schedule.h"
 #include "common/network.h"
 #include "common/policy.h"
@@ -12,13 +13,6 @@
 
 namespace metronome {
 namespace {
-
-bool AllFinite(const std::vector<float>& values) {
-  for (const float value : values) {
-    if (!std::isfinite(value)) return false;
-  }
-  return true;
-}
 
 bool AllWithin(const std::vector<float>& values, float bound) {
   for (const float value : values) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "common/all_finite.h"
 #include "common/random.h"
 #include "learner/initialise.h"
 #include "learner/learning_reward.h"
@@ -19,11 +20,6 @@ namespace {
 
 // Eigen picks block sizes, and with them the order of sums, from the caches that it finds.
 void FixEigenBlocking() { Eigen::setCpuCacheSizes(32 * 1024, 512 * 1024, 8 * 1024 * 1024); }
-
-bool AllFinite(const std::vector<float>& values) {
-  return std::all_of(values.begin(), values.end(),
-                     [](float value) { return std::isfinite(value); });
-}
 
 // Running sums of everything that UpdateReport averages.
 class ReportSums {
