@@ -3,7 +3,7 @@
 Aggregates follow Agarwal et al., "Deep Reinforcement Learning at the Edge of the Statistical
 Precipice", arXiv:2108.13264, by their own library (rliable): interquartile means with percentile
 intervals of a stratified bootstrap, probability of improvement, performance profiles. Differences of
-two arms on one task have a bootstrap interval and an exact permutation test.
+two arms on one task have a bootstrap interval and an exact permutation test; so has a trend.
 
 Every resampling starts from the same fixed seed, so that the same scores give the same numbers.
 """
@@ -157,3 +157,17 @@ def _permutation_test(x, y):
         (x, y), _mean_difference, vectorized=True, n_resamples=_SPLITS,
         rng=np.random.default_rng(_SEED))
     return float(test.pvalue)
+
+
+def trend(levels, values):
+    """Whether values rise with levels: Spearman's rank correlation of two sequences of equal length.
+    @return (correlation, two-sided p of the permutation test, exact or from `_SPLITS` random pairings); None
+    where either does not vary or fewer than `FEWEST` are given."""
+    x, y = (scipy.stats.rankdata(numbers) for numbers in (levels, values))
+    if len(x) < FEWEST or np.ptp(x) == 0 or np.ptp(y) == 0:
+        return None
+    x, y = ((ranks - ranks.mean()) / (ranks.std() * math.sqrt(len(ranks))) for ranks in (x, y))
+    test = scipy.stats.permutation_test(
+        (x,), lambda paired, axis: (paired * y).sum(axis=axis), vectorized=True,
+        permutation_type="pairings", n_resamples=_SPLITS, rng=np.random.default_rng(_SEED))
+    return float(test.statistic), float(test.pvalue)

@@ -267,17 +267,35 @@ def public(experiments):
         f"on their own settings of the tasks. {INTERVAL}")
 
 
+_SWEPT = (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC)
+
+
+def _trend_text(sweep, score):
+    """The rank correlation of k with the score over all runs."""
+    pairs = [(k, value) for k, (cells, _) in sweep.items() for value in scores.by_seed(cells, score).values()]
+    found = estimates.trend(*zip(*pairs)) if pairs else None
+    if found is None:
+        return "–"
+    correlation, p = found
+    return f"{correlation:+.2f} (p {'< 0.001' if p < 0.001 else f'= {p:.3f}'})"
+
+
 def head_sweep(experiments):
     rows = []
     for task in names.tasks_of(experiments.get("heads", [])):
-        for k, (cells, borrowed) in heads.sweep(experiments, task).items():
+        sweep = heads.sweep(experiments, task)
+        for k, (cells, borrowed) in sweep.items():
             row = [task, str(k), "main" if borrowed else "heads", str(len(cells))]
             rows.append(row + [_iqm_text([list(scores.by_seed(cells, score).values())], score)
-                               for score in (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC)])
+                               for score in _SWEPT])
+        runs = sum(len(cells) for cells, _ in sweep.values())
+        rows.append([task, "trend", "–", str(runs), *(_trend_text(sweep, score) for score in _SWEPT)])
     if not rows:
         return None
     return _table((" task", "k", " experiment", "seeds", "return", "success, noise", "success, deterministic"),
-                  rows) + f"\n\nInterquartile means over seeds at the end. {MEANING} {INTERVAL}"
+                  rows) + (
+        f"\n\nInterquartile means over seeds at the end. {MEANING} {INTERVAL} Trend: Spearman's rank correlation of "
+        "k with the score over all runs of the task, p of its two-sided permutation test.")
 
 
 def control_differences(experiments):

@@ -123,6 +123,25 @@ def test_no_difference_at_all_is_certain_of_nothing():
     assert (got.estimate.low, got.estimate.high, got.p) == (0, 0, 1)
 
 
+def test_a_trend_is_spearmans_correlation():
+    levels = np.repeat([1, 2, 5, 10, 20, 50], 5)
+    values = np.round(np.random.default_rng(3).random(30) + 0.01 * levels, 1)
+    correlation, p = estimates.trend(levels, values)
+    expected = scipy.stats.spearmanr(levels, values)
+    assert correlation == pytest.approx(expected.statistic, abs=1e-12)
+    assert p == pytest.approx(expected.pvalue, abs=0.01) and 0.001 < p < 0.9
+
+
+def test_p_of_a_trend_counts_the_orders_that_agree_as_much():
+    assert estimates.trend([1, 2, 5, 10], [3.0, 4, 6, 7]) == pytest.approx((1, 2 / 24))
+    assert estimates.trend([1, 2, 5, 10], [7.0, 6, 4, 3]) == pytest.approx((-1, 2 / 24))
+
+
+@pytest.mark.parametrize("levels, values", [([1, 1, 1], [1, 2, 3]), ([1, 2, 3], [0, 0, 0]), ([1, 2], [1, 2])])
+def test_there_is_no_trend_in_what_does_not_vary(levels, values):
+    assert estimates.trend(levels, values) is None
+
+
 def test_a_difference_over_tasks_leaves_out_those_with_too_few_pairs():
     x = [{1: 1.0, 2: 2.0, 3: 3.0}, {1: 5.0, 2: 5.0, 3: 5.0}, {1: 1000.0}]
     y = [{1: 0.0, 2: 0.0, 3: 0.0}, {1: 1.0, 2: 1.0, 3: 1.0}, {1: 0.0}]
