@@ -23,6 +23,7 @@ class Look:
 ARMS = {
     "multihead": Look("multi-head", BLUE),
     "correlated": Look("multi-head, k = 10, correlated noise", ORANGE),
+    "correlated-k50": Look("multi-head, k = 50, correlated noise", ORANGE, "--"),
     "success-reward": Look("multi-head, k = 10, success rewarded by 10", PURPLE),
     "success-reward-25": Look("multi-head, k = 10, success rewarded by 25", GREEN),
     "one-configuration": Look("multi-head, k = 10, as on assembly", SKY),
