@@ -31,6 +31,7 @@ DETERMINISTIC = Score("deterministic success", _last_evaluation("success"), True
 DETERMINISTIC_END = Score("deterministic success at the last step",
                           _last_evaluation("success_end"), True)
 DETERMINISTIC_RETURN = Score("deterministic return", _last_evaluation("return"), False)
+COMPARED = (RETURN, SUCCESS, DETERMINISTIC)  # of arms, where a figure or table has room for few
 NORMALISED = Score("normalised return",
                    lambda cell: RETURN.of(cell) / cell.largest_return, True)
 

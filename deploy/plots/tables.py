@@ -93,7 +93,7 @@ def improvement(experiments):
     cells = experiments.get("main", [])
     tasks, rows = names.tasks_of(cells), []
     for arm in _baselines(cells):
-        for score in (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC):
+        for score in scores.COMPARED:
             shared = scores.shared_tasks(cells, tasks, ("multihead", arm), score)
             if not shared:
                 continue
@@ -109,7 +109,6 @@ def improvement(experiments):
         "better than all of the other, not that this is certain.")
 
 
-_COMPARED = (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC)
 _DIFFERENCE_COLUMNS = (" task", "seeds", " interval", "return", "p", "success, noise", "p",
                        "success, deterministic", "p")
 _P = [i for i, column in enumerate(_DIFFERENCE_COLUMNS) if column == "p"]
@@ -117,7 +116,7 @@ _P = [i for i, column in enumerate(_DIFFERENCE_COLUMNS) if column == "p"]
 
 def _difference_row(task, cells, against):
     seeds, interval, row = "", "", []
-    for score in _COMPARED:
+    for score in scores.COMPARED:
         x, y = scores.by_seed(cells, score), scores.by_seed(against, score)
         if not (x and y):
             row += ["–", "–"]
@@ -152,7 +151,7 @@ def _difference_rows(compared):
     """@param compared  (task, cells, cells to compare with) each, of one arm.
     @return a row for each, and one over the tasks."""
     rows, over_all, names_of = [_difference_row(*each) for each in compared], [], []
-    for score in _COMPARED:
+    for score in scores.COMPARED:
         found = estimates.pooled_difference(*([scores.by_seed(each[i], score) for each in compared] for i in (1, 2)))
         over_all += [_estimate_text(found[0], score.share, _signed) if found else "–", "–"]
         names_of += [f"{found[1]} tasks", str(found[0].seeds)] if found else []
@@ -267,9 +266,6 @@ def public(experiments):
         f"on their own settings of the tasks. {INTERVAL}")
 
 
-_SWEPT = (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC)
-
-
 def _trend_text(sweep, score):
     """The rank correlation of k with the score over all runs."""
     pairs = [(k, value) for k, (cells, _) in sweep.items() for value in scores.by_seed(cells, score).values()]
@@ -287,9 +283,9 @@ def head_sweep(experiments):
         for k, (cells, borrowed) in sweep.items():
             row = [task, str(k), "main" if borrowed else "heads", str(len(cells))]
             rows.append(row + [_iqm_text([list(scores.by_seed(cells, score).values())], score)
-                               for score in _SWEPT])
+                               for score in scores.COMPARED])
         runs = sum(len(cells) for cells, _ in sweep.values())
-        rows.append([task, "trend", "–", str(runs), *(_trend_text(sweep, score) for score in _SWEPT)])
+        rows.append([task, "trend", "–", str(runs), *(_trend_text(sweep, score) for score in scores.COMPARED)])
     if not rows:
         return None
     return _table((" task", "k", " experiment", "seeds", "return", "success, noise", "success, deterministic"),

@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 
-from harness import BUILD, LONG, LONG_UPDATES, ROOT, SMALL
+from harness import BUILD, LONG, ROOT, SMALL
 
 UNITS = ROOT / "deploy" / "systemd"
 NAMES = ("metronome-learner@.service", "metronome-actor@.service")
@@ -78,7 +78,7 @@ def test_what_a_restart_cannot_mend_is_not_started_again():
 
 
 def test_a_service_that_was_stopped_and_one_that_crashed_go_on_to_the_weights_of_a_calm_run(stage):
-    expected = stage.train("calm", small=LONG, updates=LONG_UPDATES)
+    expected = stage.train("calm", small=LONG)
     os.environ["METRONOME_BIN"] = str(BUILD / "bin")
     domain = ["--domain", str(stage.domain)]
     learner_words = command_of(NAMES[0], stage.runs, [*LONG, *domain, "--log-level", "debug"])

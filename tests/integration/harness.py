@@ -47,9 +47,14 @@ def small(steps):
     return words
 
 
+def updates_of(small):
+    """How many updates a run of these words has."""
+    return int(small[small.index("--steps") + 1]) // (EPISODES * HORIZON)
+
+
 # A few seconds of work, for tests that strike in the middle of a run.
-LONG_UPDATES = 5 * UPDATES
-LONG = small(LONG_UPDATES * EPISODES * HORIZON)
+LONG = small(5 * STEPS)
+LONG_UPDATES = updates_of(LONG)
 ENDLESS = small(100_000_000)  # half a million updates: no test sees the last
 
 
@@ -230,11 +235,11 @@ class Stage:
             LEARNER, "status", run, "--domain", self.domain, "--json", *options, host=host
         )
 
-    def train(self, run, *options, actors=1, actor_options=(), small=SMALL, updates=UPDATES):
+    def train(self, run, *options, actors=1, actor_options=(), small=SMALL):
         """A whole run: a learner and actors, each expected to end well. @return weights_sha256."""
         learner = self.learner(run, *options, small=small)
         team = [self.actor(run, *actor_options) for _ in range(actors)]
-        return self.finish(run, learner, team, updates)
+        return self.finish(run, learner, team, updates_of(small))
 
     def finish(self, run, learner, team, updates=UPDATES):
         """Waits for the end of a run. @return weights_sha256 of its last checkpoint."""

@@ -4,6 +4,8 @@ import pytest
 
 from harness import LONG, LONG_UPDATES, SMALL
 
+OVERLAP = ("--set", "collection.overlap=1")
+
 
 @pytest.fixture(scope="module")
 def expected(module_stage):
@@ -13,12 +15,12 @@ def expected(module_stage):
 
 @pytest.fixture(scope="module")
 def expected_long(module_stage):
-    return module_stage.train("long", small=LONG, updates=LONG_UPDATES)
+    return module_stage.train("long", small=LONG)
 
 
 @pytest.fixture(scope="module")
 def expected_overlapping(module_stage):
-    return module_stage.train("overlapping", "--set", "collection.overlap=1", small=LONG, updates=LONG_UPDATES)
+    return module_stage.train("overlapping", *OVERLAP, small=LONG)
 
 
 def test_two_actors_give_the_weights_of_one(stage, expected):
@@ -85,16 +87,14 @@ def test_a_learner_killed_and_resumed_changes_nothing(stage, expected_long):
 
 def test_overlapping_runs_agree_among_themselves(stage, expected_long, expected_overlapping):
     assert expected_overlapping != expected_long
-    overlap = ("--set", "collection.overlap=1")
-    assert stage.train("run", *overlap, actors=3, small=LONG, updates=LONG_UPDATES) == expected_overlapping
+    assert stage.train("run", *OVERLAP, actors=3, small=LONG) == expected_overlapping
 
 
 def test_an_overlapping_learner_killed_and_resumed_changes_nothing(stage, expected_overlapping):
-    overlap = ("--set", "collection.overlap=1")
-    learner, actor = stage.learner("run", *overlap, small=LONG), stage.actor("run")
+    learner, actor = stage.learner("run", *OVERLAP, small=LONG), stage.actor("run")
     learner.expect_update(3)
     learner.kill()
-    resumed = stage.learner("run", *overlap, "--resume", small=LONG)
+    resumed = stage.learner("run", *OVERLAP, "--resume", small=LONG)
     assert stage.finish("run", resumed, [actor], LONG_UPDATES) == expected_overlapping
 
 
@@ -133,7 +133,7 @@ def test_two_actors_give_the_weights_of_one_in_every_arm(stage, expected, arm):
 
 def test_a_shuffled_learner_killed_and_resumed_changes_nothing(stage):
     shuffled = ("--set", "policy.schedule=shuffled")
-    alone = stage.train("alone", *shuffled, small=LONG, updates=LONG_UPDATES)
+    alone = stage.train("alone", *shuffled, small=LONG)
     learner, actor = stage.learner("run", *shuffled, small=LONG), stage.actor("run", "--envs", "2")
     learner.expect_update(3)
     learner.kill()

@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 import environments
-from harness import EPISODES, ROOT, UPDATES, parse_json, small
+from harness import ENDLESS, EPISODES, ROOT, UPDATES, parse_json
 
 HERE = ROOT / "tests" / "integration" / "cyclone"
 IDL = ROOT / "idl" / "metronome.idl"
@@ -110,7 +110,7 @@ def test_cyclone_dds_sees_every_episode_once_and_every_float_and_the_run_does_no
 
 
 def test_who_comes_late_gets_the_last_weights_and_what_is_played_from_then_on(stage, tap):
-    learner = stage.learner("late", small=small(100_000_000))
+    learner = stage.learner("late", small=ENDLESS)
     actors = [stage.actor("late") for _ in range(2)]
     learner.expect_update(3)
     reader = tap("late")

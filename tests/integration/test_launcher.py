@@ -11,13 +11,12 @@ import children
 from harness import BUILD, ENDLESS, LONG, LONG_UPDATES, ROOT, SMALL, STEPS
 
 TRAIN = str(ROOT / "deploy" / "train")
-TASK, OPTIONS = SMALL[1], SMALL[2:]
 
 
-def train(stage, *options, actors=2, small=OPTIONS):
+def train(stage, *options, actors=2, small=SMALL):
     return stage.start(
         TRAIN,
-        TASK,
+        *small[1:],  # the task without its option's name
         "--build",
         BUILD,
         "--runs",
@@ -26,7 +25,6 @@ def train(stage, *options, actors=2, small=OPTIONS):
         stage.domain,
         "--actors",
         actors,
-        *small,
         *options,
     )
 
@@ -117,20 +115,20 @@ def test_usage_errors_exit_2_and_leave_nothing(stage, options):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_stopping_leaves_a_checkpoint_and_no_orphans_and_resume_goes_on(stage, number):
-    launcher = train(stage, "--run", "run", small=LONG[2:])
+    launcher = train(stage, "--run", "run", small=LONG)
     launcher.expect_text("update    1/")
     launcher.signal(number)
     assert launcher.wait(90) == 128 + number, launcher
     assert not runs_of(stage)
     assert stage.latest("run").exists()
     assert "--resume" in launcher.text, launcher
-    again = train(stage, "--run", "run", "--resume", small=LONG[2:])
+    again = train(stage, "--run", "run", "--resume", small=LONG)
     assert again.wait() == 0, again
     assert stage.inspect(stage.latest("run"))["version"] == LONG_UPDATES
 
 
 def test_stopping_a_run_that_cannot_leave_a_checkpoint_is_a_failure(stage):
-    launcher = train(stage, "--run", "run", small=ENDLESS[2:])
+    launcher = train(stage, "--run", "run", small=ENDLESS)
     launcher.expect_text("update    1/")
     # As a full disk does, no file can be made in the folder.
     folder = stage.runs / "run" / "checkpoints"
@@ -142,7 +140,7 @@ def test_stopping_a_run_that_cannot_leave_a_checkpoint_is_a_failure(stage):
 
 
 def test_a_killed_launcher_leaves_no_orphans(stage):
-    launcher = train(stage, "--run", "run", small=ENDLESS[2:])
+    launcher = train(stage, "--run", "run", small=ENDLESS)
     launcher.expect_text("update    1/")
     started = [os.pidfd_open(int(pid)) for pid, _ in runs_of(stage)]
     assert started
@@ -153,7 +151,7 @@ def test_a_killed_launcher_leaves_no_orphans(stage):
 
 
 def test_a_killed_actor_is_started_again(stage):
-    launcher = train(stage, "--run", "run", actors=1, small=LONG[2:])
+    launcher = train(stage, "--run", "run", actors=1, small=LONG)
     launcher.expect_text("update    1/")
     actors = [int(pid) for pid, words in runs_of(stage) if words[0].endswith("metronome-actor")]
     os.kill(actors[0], signal.SIGKILL)

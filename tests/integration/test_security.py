@@ -75,7 +75,7 @@ def test_an_observer_sees_a_secured_run_by_its_identity_alone(stage, tmp_path):
 
 
 def test_resuming_needs_no_word_of_security_to_be_secured(stage, identities):
-    expected = stage.train("calm", small=LONG, updates=LONG_UPDATES)
+    expected = stage.train("calm", small=LONG)
     learner = stage.learner("run", *secured(identities / "learner"), small=LONG)
     actor = stage.actor("run", *secured(identities / "actor-0"))
     learner.expect_update(2)

@@ -2,7 +2,7 @@
 
 import signal
 
-from harness import LEARNER, UPDATES, parse_json, small
+from harness import ENDLESS, LEARNER, UPDATES, parse_json
 
 
 def status(stage, run, *options):
@@ -10,7 +10,7 @@ def status(stage, run, *options):
 
 
 def test_a_running_run_is_shown_with_its_actors_as_a_table_and_as_json(stage):
-    learner = stage.learner("seen", small=small(100_000_000))
+    learner = stage.learner("seen", small=ENDLESS)
     actor = stage.actor("seen", "--envs", 2)
     learner.expect_update(2)
     follower = status(stage, "seen", "--json", "--follow")

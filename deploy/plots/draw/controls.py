@@ -8,7 +8,6 @@ import scores
 import style
 from draw.final import dot
 
-SHOWN = (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC)
 
 
 def _reference(cell, pool):
@@ -50,7 +49,7 @@ def controls(experiments):
         return None
     arms = names.in_order({arm for arm, *_ in rows}, names.ARMS)
     height = 0.42 + 0.2 * (len(rows) + 2.7 * len(arms))
-    figure, axes = style.grid_of_panels(1, len(SHOWN), width=3.9, height=height, sharey=True)
+    figure, axes = style.grid_of_panels(1, len(scores.COMPARED), width=3.9, height=height, sharey=True)
     labels, titles, y = {}, {}, 0.0
     for arm in arms:
         own = [row for row in rows if row[0] == arm]
@@ -60,16 +59,16 @@ def controls(experiments):
         for _, _, task, cells, against in own:
             y -= 1
             labels[y] = task
-            for ax, score in zip(axes[0], SHOWN):
+            for ax, score in zip(axes[0], scores.COMPARED):
                 _mark(ax, y, names.look_of(arm, arms), cells, against, score)
         y -= 1
-        for ax, score in zip(axes[0], SHOWN):
+        for ax, score in zip(axes[0], scores.COMPARED):
             found = pooled(own, score)
             if found:
                 labels[y] = f"{found[1]} tasks"
                 dot(ax, y, found[0], names.look_of(arm, arms), upright=False, marker="D")
         y -= 1.5
-    for ax, score in zip(axes[0], SHOWN):
+    for ax, score in zip(axes[0], scores.COMPARED):
         _finish_axis(ax, score)
     _label_rows(axes[0, 0], labels, titles)
     axes[0, 0].set_ylim(y + 0.9, 0.8)

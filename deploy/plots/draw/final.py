@@ -8,7 +8,6 @@ import scores
 import style
 
 BASELINES = ("ppo", "ppo-time")
-_SHOWN = (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC)
 
 
 def dot(ax, x, estimate, look, upright=True, **options):
@@ -55,7 +54,7 @@ def _by_task_panel(ax, cells, tasks, arms, score):
 
 def _improvement_panel(ax, cells, tasks, arms):
     rows = []
-    for score in _SHOWN:
+    for score in scores.COMPARED:
         for arm in [arm for arm in BASELINES if arm in arms]:
             shared = scores.shared_tasks(cells, tasks, ("multihead", arm), score)
             if shared:
@@ -97,7 +96,7 @@ def final(experiments):
         return None
     tasks, arms = names.tasks_of(cells), names.arms_of(cells)
     figure, axes = style.grid_of_panels(2, 3, width=4.3, height=3.0)
-    for ax, score in zip(axes[0], _SHOWN):
+    for ax, score in zip(axes[0], scores.COMPARED):
         _by_task_panel(ax, cells, tasks, arms, score)
     _improvement_panel(axes[1, 0], cells, tasks, arms)
     _profile_panel(axes[1, 1], cells, tasks, arms, scores.NORMALISED)

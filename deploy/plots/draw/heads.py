@@ -6,7 +6,6 @@ import scores
 import style
 from draw.final import dot
 
-_SHOWN = (scores.RETURN, scores.SUCCESS, scores.DETERMINISTIC)
 
 
 def sweep(experiments, task):
@@ -28,11 +27,11 @@ def heads(experiments):
     tasks = names.tasks_of(experiments.get("heads", []))
     if not tasks:
         return None
-    figure, axes = style.grid_of_panels(len(_SHOWN), len(tasks), height=2.2, sharex=True)
+    figure, axes = style.grid_of_panels(len(scores.COMPARED), len(tasks), height=2.2, sharex=True)
     counts = set()
     for j, task in enumerate(tasks):
         found = sweep(experiments, task)
-        for ax, score in zip(axes[:, j], _SHOWN):
+        for ax, score in zip(axes[:, j], scores.COMPARED):
             _panel(ax, found, score)
             if j == 0:
                 ax.set_ylabel(score.label)
