@@ -14,6 +14,7 @@
 #include "actor/metaworld/assets.h"
 #include "actor/options.h"
 #include "common/build_info.h"
+#include "common/cpu_count.h"
 #include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
 #include "common/logging.h"
@@ -83,6 +84,7 @@ class StopTarget {
 };
 
 int Serve(const RunOptions& options) {
+  if (const auto warning = TooManyThreads(options.envs, "--envs")) spdlog::warn("{}", *warning);
   const ActorClientOptions client_options = ClientOptions(options);
   StopTarget target;
   // Before the bus, whose threads must inherit the blocked signals.

@@ -106,7 +106,7 @@ void AddRun(CLI::App& app, Typed& typed) {
       ->capture_default_str();
   run->footer(
       "Exit status: 0 the run is finished, 1 refused or failed, 2 bad options or missing scene "
-      "files, 3 no learner, 130 or 143 stopped by SIGINT or SIGTERM.");
+      "files, 3 no learner, 128 + N stopped by signal N.");
 }
 
 void AddTrace(CLI::App& app, Typed& typed) {

@@ -1,16 +1,25 @@
 #include "common/logging.h"
 
+#include <spdlog/details/console_globals.h>
+#include <spdlog/details/os.h>
 #include <spdlog/pattern_formatter.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/sinks/ansicolor_sink.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "common/near_miss.h"
+#include "common/output_thread.h"
 
 namespace metronome {
 namespace {
@@ -40,6 +49,53 @@ std::unique_ptr<spdlog::formatter> MakeFormatter(const std::string& format) {
   return made;
 }
 
+// A warning that comes just before a crash is seen, unless nobody reads.
+constexpr std::chrono::milliseconds kFlush{100};
+
+/// Standard error as a stream that never makes its writer wait.
+class StandardError {
+ public:
+  StandardError() {
+    cookie_io_functions_t functions{};
+    functions.write = [](void* thread, const char* text, std::size_t size) {
+      static_cast<OutputThread*>(thread)->Write(std::string(text, size));
+      return static_cast<ssize_t>(size);
+    };
+    stream_ = fopencookie(&thread_, "w", functions);
+    if (stream_ == nullptr) {
+      throw std::system_error(errno, std::generic_category(), "opening the log");
+    }
+    // Whole lines: the sink flushes after each.
+    std::setvbuf(stream_, nullptr, _IOFBF, std::size_t{1} << 16);
+  }
+  ~StandardError() { std::fclose(stream_); }
+  StandardError(const StandardError&) = delete;
+  StandardError& operator=(const StandardError&) = delete;
+
+  [[nodiscard]] std::FILE* stream() const { return stream_; }
+  OutputThread& thread() { return thread_; }
+
+ private:
+  OutputThread thread_{STDERR_FILENO};
+  std::FILE* stream_ = nullptr;
+};
+
+using ColorSink = spdlog::sinks::ansicolor_sink<spdlog::details::console_mutex>;
+
+spdlog::color_mode ColorsOfStandardError() {
+  const bool shown = isatty(STDERR_FILENO) != 0 && spdlog::details::os::is_color_terminal();
+  return shown ? spdlog::color_mode::always : spdlog::color_mode::never;
+}
+
+class StandardErrorSink final : private StandardError, public ColorSink {
+ public:
+  StandardErrorSink() : ColorSink(stream(), ColorsOfStandardError()) {}
+  void flush() override {
+    ColorSink::flush();
+    thread().Flush(kFlush);
+  }
+};
+
 void RequireKnown(const std::string& kind, const std::string& word,
                   const std::vector<std::string>& words) {
   if (std::find(words.begin(), words.end(), word) != words.end()) return;
@@ -57,8 +113,7 @@ std::vector<std::string> LogFormats() { return {"text", "json"}; }
 void SetUpLogging(const std::string& process, const LogOptions& options) {
   RequireKnown("log level", options.level, LogLevels());
   RequireKnown("log format", options.format, LogFormats());
-  auto logger = std::make_shared<spdlog::logger>(
-      process, std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+  auto logger = std::make_shared<spdlog::logger>(process, std::make_shared<StandardErrorSink>());
   logger->set_formatter(MakeFormatter(options.format));
   logger->set_level(spdlog::level::from_str(options.level));
   logger->flush_on(spdlog::level::warn);

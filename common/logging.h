@@ -16,8 +16,9 @@ struct LogOptions {
   std::string format = "text";  // one of LogFormats()
 };
 
-/// Sends spdlog's default logger to standard error, each line with time, process name and level;
-/// warnings and worse are flushed at once. Standard output stays free for results.
+/// Sends spdlog's default logger to standard error, each line with time, process name and level.
+/// Standard output stays free for results. Who logs never waits for who reads (OutputThread), but
+/// for a tenth of a second after a warning or worse.
 /// Call once at start, before threads.
 /// @param process  "learner" or "actor".
 /// @throws std::invalid_argument for an unknown level or format (names the near miss and the list).

@@ -134,6 +134,7 @@ struct LearnerStatus {
   std::uint64_t actors_total = 0;        // connected
   std::uint64_t slots_total = 0;
   std::vector<ActorReport> actors;  // all of them, or as many as the wire carries
+  double age_seconds = 0;           // not sent: since it was written, as whoever watches reckons
   bool operator==(const LearnerStatus&) const = default;
 };
 

@@ -5,8 +5,9 @@
 
 namespace metronome {
 
-/// Turns SIGINT and SIGTERM into calls on an ordinary thread, where anything may be done.
-/// Make it before any other thread: those inherit the blocked signals. One per process.
+/// Turns SIGINT, SIGTERM and SIGHUP into calls on an ordinary thread, where anything may be done. A
+/// signal that is ignored when this is made stays ignored (nohup, a shell's background jobs).
+/// Make it before any thread that takes signals: threads inherit the blocked ones. One per process.
 class SignalWatch {
  public:
   /// @param on_signal  gets the signal's number, once per signal; must not throw.

@@ -3,6 +3,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <ostream>
 #include <set>
 #include <variant>
@@ -15,6 +17,10 @@ namespace {
 
 // After the first learner another one may be heard, of a newer start.
 constexpr std::chrono::milliseconds kGrace{300};
+
+Clock::duration TicksOf(double seconds) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
 
 struct Found {
   LearnerStatus newest;
@@ -30,7 +36,12 @@ void Show(const LearnerStatus& status, bool json, std::ostream& out) {
   out << (json ? StatusJson(status) + "\n" : StatusTable(status)) << std::flush;
 }
 
-/// The newest learner that is heard until the deadline, or soon after the first.
+// A late joiner gets the last status however old it is. Its age is the difference of two hosts'
+// clocks: believed where it says that a second has hardly passed.
+bool LooksFresh(const LearnerStatus& status) { return std::abs(status.age_seconds) < 2; }
+
+/// The newest learner that is heard until the deadline, or soon after the first. Where that one's
+/// status does not look fresh, it has time to speak again, which settles it.
 std::optional<Found> Find(ObserverBus& bus, Clock::time_point deadline) {
   std::optional<LearnerStatus> newest;
   std::set<std::uint64_t> lost;
@@ -40,10 +51,17 @@ std::optional<Found> Find(ObserverBus& bus, Clock::time_point deadline) {
     const auto* status = std::get_if<LearnerStatus>(&*event);
     if (status == nullptr) continue;
     lost.erase(status->learner_id);
-    if (!newest) deadline = std::min(deadline, Clock::now() + kGrace);
-    if (!newest || status->incarnation >= newest->incarnation) newest = *status;
+    const bool again = newest && newest->learner_id == status->learner_id;
+    if (!newest || again) {
+      const bool settled = again || LooksFresh(*status);
+      deadline = std::min(deadline, Clock::now() + (settled ? kGrace : TicksOf(kOldStatusSeconds)));
+    }
+    if (newest && status->incarnation < newest->incarnation) continue;
+    newest = *status;
+    if (again) newest->age_seconds = 0;
   }
   if (!newest) return std::nullopt;
+  if (!LooksFresh(*newest)) newest->age_seconds = std::max(newest->age_seconds, kOldStatusSeconds);
   return Found{*newest, lost.contains(newest->learner_id)};
 }
 
@@ -52,18 +70,26 @@ int SayLost(const LearnerStatus& status) {
   return kExitNoLearner;
 }
 
-/// Shows each further status of this learner, or of a newer start, to the end. @return an ExitCode.
+/// Shows each further status of this learner, or of a newer start, to the end, and in its silence
+/// the last one again with its age. @return an ExitCode.
 int Follow(ObserverBus& bus, Found found, bool json, std::ostream& out) {
   LearnerStatus& newest = found.newest;
+  auto made = Clock::now() - TicksOf(newest.age_seconds);
   while (!IsOver(newest)) {
     if (found.lost) return SayLost(newest);
-    const auto event = bus.Wait(Clock::time_point::max());
-    if (!event) continue;
+    const auto event = bus.Wait(Clock::now() + TicksOf(kOldStatusSeconds));
+    if (!event) {
+      newest.age_seconds = std::chrono::duration<double>(Clock::now() - made).count();
+      Show(newest, json, out);
+      continue;
+    }
     const auto* gone = std::get_if<LearnerLost>(&*event);
     found.lost = gone != nullptr && gone->learner_id == newest.learner_id;
     const auto* status = std::get_if<LearnerStatus>(&*event);
     if (status == nullptr || status->incarnation < newest.incarnation) continue;
     newest = *status;
+    newest.age_seconds = 0;  // it comes as it is written
+    made = Clock::now();
     Show(newest, json, out);
   }
   return kExitFinished;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <ostream>
+#include <functional>
 #include <string>
 
 #include "learner/metrics.h"
@@ -24,11 +24,12 @@ struct RunFacts {
   std::string security;  // folder of the learner's identity; empty: none
 };
 
-/// What `run` says on standard output: lines for people, one JSON object a line for programs, or
-/// nothing. Each line is flushed. JSON keys are stable; see learner/README.md. Not thread-safe.
+/// The progress of `run`: lines for people, one JSON object a line for programs, or nothing. JSON
+/// keys are stable; see learner/README.md. Not thread-safe.
 class ProgressPrinter {
  public:
-  ProgressPrinter(ProgressStyle style, RunFacts facts, std::ostream& out);
+  /// @param say  called with each line, its end included; must not block.
+  ProgressPrinter(ProgressStyle style, RunFacts facts, std::function<void(std::string line)> say);
 
   /// The run is accepted; `version` updates were made before.
   void Started(std::uint64_t version, std::uint64_t steps);
@@ -38,11 +39,11 @@ class ProgressPrinter {
   void Interrupted(std::uint64_t version, const std::string& checkpoint);
 
  private:
-  void Say(const std::string& line);
+  void Say(const std::string& line) { say_(line + "\n"); }
 
   ProgressStyle style_;
   RunFacts facts_;
-  std::ostream& out_;
+  std::function<void(std::string)> say_;
 };
 
 }  // namespace metronome

@@ -6,18 +6,19 @@
 #include <algorithm>
 #include <csignal>
 #include <exception>
-#include <iostream>
 #include <mutex>
 #include <stdexcept>
-#include <thread>
+#include <utility>
 
 #include "common/build_info.h"
 #include "common/checkpoint.h"
 #include "common/config.h"
+#include "common/cpu_count.h"
 #include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
 #include "common/dds/security.h"
 #include "common/logging.h"
+#include "common/output_thread.h"
 #include "common/process_identity.h"
 #include "common/signal_watch.h"
 #include "learner/background.h"
@@ -202,7 +203,9 @@ RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
 
 int ThreadsOf(const RunConfig& config) {
   const int wanted = config.runtime().learner_threads();
-  return wanted > 0 ? wanted : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  if (wanted == 0) return UsableCpus();
+  if (const auto warning = TooManyThreads(wanted, "--threads")) spdlog::warn("{}", *warning);
+  return wanted;
 }
 
 std::unique_ptr<MetricsServer> MetricsServerOf(const RunConfig& config) {
@@ -224,8 +227,10 @@ int Serve(const RunOptions& options, StopTarget& target) {
   if (metrics) {
     setup.on_status = [&metrics](const LearnerStatus& status) { metrics->Show(status); };
   }
+  OutputThread output(STDOUT_FILENO);
   FileRunRecord record(options.folder, std::move(start.checkpoint),
-                       ProgressPrinter(options.progress, FactsOf(options, setup), std::cout));
+                       ProgressPrinter(options.progress, FactsOf(options, setup),
+                                       [&](std::string line) { output.Write(std::move(line)); }));
   const auto bus = MakeDdsLearnerBus(bus_options);
   BackgroundThread background("update");
   Coordinator coordinator(setup, *bus, learning, record, background);

@@ -49,6 +49,12 @@ std::string StatusTable(const LearnerStatus& status) {
       status.checkpoint_version, status.accepted, status.reordered, status.duplicates,
       status.rejected, status.stale, status.bytes_sent, status.bytes_received);
   text += fmt::format("{} actors with {} slots\n", status.actors_total, status.slots_total);
+  if (status.age_seconds >= kOldStatusSeconds) {
+    text.insert(
+        0,
+        fmt::format("OLD: the learner has said nothing for {:.0f} s; this is how it stood then\n",
+                    status.age_seconds));
+  }
   if (status.actors.empty()) return text;
   std::size_t width = 5;
   for (const ActorReport& actor : status.actors) width = std::max(width, actor.name.size());
@@ -76,6 +82,7 @@ std::string StatusJson(const LearnerStatus& status) {
                {"host", status.host},
                {"pid", status.pid},
                {"state", StateText(status.state)},
+               {"age_seconds", status.age_seconds},
                {"version", status.version},
                {"updates_total", status.updates_total},
                {"steps", status.steps},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -79,7 +80,14 @@ struct Taken {
   Header header;
   bool foreign_version = false;  // content is a BadSample that names both versions
   fdds::InstanceHandle_t writer;
+  double age_seconds = 0;  // since it was written, by the two hosts' clocks
 };
+
+inline double AgeSeconds(const fdds::SampleInfo& info) {
+  const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
+  const std::chrono::nanoseconds written(info.source_timestamp.to_ns());
+  return (now - written).count();
+}
 
 template <class PubSubType>
 class Reader {
@@ -108,7 +116,7 @@ class Reader {
         throw std::runtime_error(std::string("reading ") + profile_.name +
                                  ": Fast DDS return code " + std::to_string(code()));
       }
-      if (info.valid_data) return Open(std::move(envelope), info.publication_handle);
+      if (info.valid_data) return Open(std::move(envelope), info);
     } while (true);
   }
 
@@ -120,9 +128,9 @@ class Reader {
   }
 
  private:
-  Taken<Message> Open(Envelope<Wire> envelope, const fdds::InstanceHandle_t& writer) const {
+  Taken<Message> Open(Envelope<Wire> envelope, const fdds::SampleInfo& info) const {
     Taken<Message> taken{BadSample{profile_.name, envelope.error}, envelope.header,
-                         envelope.foreign_version, writer};
+                         envelope.foreign_version, info.publication_handle, AgeSeconds(info)};
     if (envelope.foreign_version) {
       taken.content = BadSample{
           profile_.name, "protocol version " + std::to_string(envelope.header.protocol_version) +

@@ -30,7 +30,12 @@ class DdsObserverBus final : public ObserverBus {
   std::optional<ObserverEvent> Next() {
     const std::lock_guard lock(next_mutex_);
     // A learner's last words come before the news that it is gone.
-    if (auto taken = statuses_.Take()) return EventOf(std::move(taken->content));
+    if (auto taken = statuses_.Take()) {
+      if (auto* status = std::get_if<LearnerStatus>(&taken->content)) {
+        status->age_seconds = taken->age_seconds;
+      }
+      return EventOf(std::move(taken->content));
+    }
     const auto event = sightings_.Next();
     if (!event) return std::nullopt;
     if (const auto* gone = std::get_if<dds::LearnerGone>(&*event)) {

@@ -1,17 +1,24 @@
 #include "learner/follow.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <deque>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "learner/exit_codes.h"
+#include "learner/status_text.h"
 #include "tests/integration/dds_fixture.h"
 
 namespace metronome {
 namespace {
+
+using ::testing::ElementsAre;
 
 constexpr FollowOptions kFollowing{true, true};
 
@@ -92,6 +99,45 @@ TEST(FollowTest, ALearnerThatSaidItsLastWordsIsNotLost) {
                               std::nullopt}))
                 .code,
             kExitFinished);
+}
+
+LearnerStatus OfAge(double seconds, LearnerStatus status) {
+  status.age_seconds = seconds;
+  return status;
+}
+
+/// The ages of the statuses that are shown.
+std::vector<double> AgesShown(ScriptedBus bus, bool follow) {
+  std::stringstream out;
+  ShowLearner(bus, Clock::time_point{}, {true, follow}, out);
+  std::vector<double> ages;
+  for (std::string line; std::getline(out, line);) {
+    ages.push_back(nlohmann::json::parse(line).at("age_seconds").get<double>());
+  }
+  return ages;
+}
+
+TEST(FollowTest, AnOldStatusSaysSoUnlessTheLearnerSpeaksAgain) {
+  const LearnerStatus status = StatusOf(1, 1);
+  EXPECT_THAT(AgesShown(ScriptedBus({OfAge(0.5, status), std::nullopt}), false), ElementsAre(0.5));
+  EXPECT_THAT(AgesShown(ScriptedBus({OfAge(60, status), std::nullopt}), false), ElementsAre(60));
+  EXPECT_THAT(AgesShown(ScriptedBus({OfAge(60, status), OfAge(60, status), std::nullopt}), false),
+              ElementsAre(0))
+      << "the two hosts' clocks differ";
+  EXPECT_THAT(AgesShown(ScriptedBus({OfAge(-60, status), std::nullopt}), false),
+              ElementsAre(kOldStatusSeconds))
+      << "it was silent at least that long";
+}
+
+TEST(FollowTest, ASilentLearnerIsShownAgainWithItsAge) {
+  const LearnerStatus status = StatusOf(1, 1);
+  const auto ages = AgesShown(
+      ScriptedBus({OfAge(60, status), std::nullopt, std::nullopt, StatusOf(1, 1), LearnerLost{1}}),
+      true);
+  ASSERT_EQ(ages.size(), 3U);
+  EXPECT_EQ(ages[0], 60);
+  EXPECT_GE(ages[1], 60);
+  EXPECT_EQ(ages[2], 0);
 }
 
 }  // namespace

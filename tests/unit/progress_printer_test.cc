@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <ostream>
 #include <sstream>
+#include <string>
 
 namespace metronome {
 namespace {
@@ -39,9 +42,13 @@ WallReport Wall() {
   return wall;
 }
 
+std::function<void(std::string)> To(std::ostream& out) {
+  return [&out](const std::string& line) { out << line; };
+}
+
 TEST(ProgressPrinterTest, JsonTellsEachUpdateInOneLineWithStableKeys) {
   std::ostringstream out;
-  ProgressPrinter(ProgressStyle::kJson, Facts(), out).Updated(Report(), Wall());
+  ProgressPrinter(ProgressStyle::kJson, Facts(), To(out)).Updated(Report(), Wall());
   EXPECT_EQ(
       out.str(),
       "{\"update\":4,\"updates_total\":10,\"steps\":2000,\"total_steps\":8000,\"return\":12.5,"
@@ -51,7 +58,7 @@ TEST(ProgressPrinterTest, JsonTellsEachUpdateInOneLineWithStableKeys) {
 
 TEST(ProgressPrinterTest, JsonEventsNameTheirKindAndWhatALauncherNeeds) {
   std::ostringstream out;
-  ProgressPrinter printer(ProgressStyle::kJson, Facts(), out);
+  ProgressPrinter printer(ProgressStyle::kJson, Facts(), To(out));
   printer.Started(4, 2000);
   printer.Finished("all of it", "runs/name/checkpoints/000010.ckpt", "abc");
   printer.Interrupted(5, "runs/name/checkpoints/000005.ckpt");
@@ -74,13 +81,21 @@ TEST(ProgressPrinterTest, JsonEventsNameTheirKindAndWhatALauncherNeeds) {
   EXPECT_EQ(record.at("update"), 5);
 }
 
+TEST(ProgressPrinterTest, APathThatIsNotUtf8IsOneJsonLine) {
+  RunFacts facts = Facts();
+  facts.path = "runs/caf\xe9";
+  std::ostringstream out;
+  ProgressPrinter(ProgressStyle::kJson, facts, To(out)).Started(0, 0);
+  EXPECT_EQ(nlohmann::json::parse(out.str()).at("path"), "runs/caf\uFFFD");
+}
+
 TEST(ProgressPrinterTest, LinesAreForPeopleAndNoneIsSilent) {
   std::ostringstream lines;
-  ProgressPrinter(ProgressStyle::kLines, Facts(), lines).Updated(Report(), Wall());
+  ProgressPrinter(ProgressStyle::kLines, Facts(), To(lines)).Updated(Report(), Wall());
   EXPECT_NE(lines.str().find("4/10"), std::string::npos) << lines.str();
   EXPECT_NE(lines.str().find("0:00:12 left"), std::string::npos) << lines.str();
   std::ostringstream none;
-  ProgressPrinter printer(ProgressStyle::kNone, Facts(), none);
+  ProgressPrinter printer(ProgressStyle::kNone, Facts(), To(none));
   printer.Started(0, 0);
   printer.Updated(Report(), Wall());
   printer.Finished("x", "y", "z");

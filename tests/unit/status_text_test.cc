@@ -29,6 +29,14 @@ TEST(StatusTextTest, ActorsThatAreNotListedAreCounted) {
   EXPECT_TRUE(Contains(StatusTable(status), "and 5 more\n"));
 }
 
+TEST(StatusTextTest, AnOldStatusSaysSoFirst) {
+  LearnerStatus status = test::SomeLearnerStatus(3);
+  status.age_seconds = 1;
+  EXPECT_TRUE(StatusTable(status).starts_with("run a-run"));
+  status.age_seconds = 42;
+  EXPECT_TRUE(StatusTable(status).starts_with("OLD: the learner has said nothing for 42 s"));
+}
+
 TEST(StatusTextTest, JsonIsOneLineThatHoldsTheNumbers) {
   const LearnerStatus status = test::SomeLearnerStatus(3);
   const std::string text = StatusJson(status);
