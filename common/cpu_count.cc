@@ -97,11 +97,12 @@ std::optional<double> CpuQuota(const std::string& root) {
   const auto hierarchies = HierarchiesIn(groups);
   std::optional<double> least;
   for (const Mount& mount : MountsIn(mounts)) {
+    const std::string top = root + mount.folder;
     for (const Hierarchy& hierarchy : hierarchies) {
       if (hierarchy.unified != mount.unified) continue;
       std::string group = GroupBelow(mount, hierarchy.group);
       while (true) {
-        const auto quota = QuotaOf(root + mount.folder + group, mount.unified);
+        const auto quota = QuotaOf(top + group, mount.unified);
         if (quota && (!least || *quota < *least)) least = quota;
         if (group.empty()) break;
         group.erase(group.rfind('/'));

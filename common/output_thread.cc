@@ -9,6 +9,7 @@
 #include <deque>
 #include <mutex>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -61,7 +62,11 @@ struct OutputThread::State {
 
 OutputThread::OutputThread(int descriptor) : state_(std::make_shared<State>(descriptor)) {
   const WithoutSignals none;
-  std::thread([state = state_] { Work(*state); }).detach();
+  try {
+    std::thread([state = state_] { Work(*state); }).detach();
+  } catch (const std::system_error& error) {
+    throw std::system_error(error.code(), "no thread can be started for output");
+  }
 }
 
 OutputThread::~OutputThread() {
