@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <ostream>
 #include <set>
+#include <stdexcept>
 #include <variant>
 
 #include "learner/exit_codes.h"
@@ -28,6 +29,7 @@ bool IsOver(const LearnerStatus& status) {
 
 void Show(const LearnerStatus& status, bool json, std::ostream& out) {
   out << (json ? StatusJson(status) + "\n" : StatusTable(status)) << std::flush;
+  if (!out) throw std::runtime_error("cannot write to standard output");
 }
 
 /// The newest learner that is heard until the deadline, or soon after the first.

@@ -29,6 +29,7 @@ Later ones win: [set], then the task's, then the arm's. A run is named TASK-ARM-
 import difflib
 import tomllib
 from dataclasses import dataclass
+from pathlib import Path
 
 from options import METHODS, RUN_NAME, RUN_NAME_RULE
 
@@ -190,13 +191,12 @@ def _check_tables(data):
 
 def load(path):
     """Reads an experiment file. @throws MatrixError naming the key that is wrong, OSError."""
-    with open(path, "rb") as file:
-        try:
-            data = tomllib.load(file)
-        except tomllib.TOMLDecodeError as error:
-            raise MatrixError(str(error)) from None
-        except UnicodeDecodeError as error:
-            raise MatrixError(f"the file is not UTF-8: {error}") from None
+    try:
+        data = tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))  # editors may mark the encoding
+    except tomllib.TOMLDecodeError as error:
+        raise MatrixError(str(error)) from None
+    except UnicodeDecodeError as error:
+        raise MatrixError(f"the file is not UTF-8: {error}") from None
     _check_tables(data)
     tasks = [_one_of(task, TASKS, "tasks") for task in _list(data["tasks"], "tasks")]
     for task in data.get("task", {}):

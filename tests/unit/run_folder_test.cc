@@ -80,6 +80,12 @@ TEST_F(RunFolderTest, ExcludedHostsAreReadAsTheyWereWritten) {
   EXPECT_NO_THROW(SaveExcludedHosts({{"\xff", "no text"}}, path));
 }
 
+TEST_F(RunFolderTest, ExcludedHostsMayBeSavedWithAByteOrderMark) {
+  const std::string path = ExcludedHostsPathOf(root_);
+  std::ofstream(path) << "\xef\xbb\xbf{\"a\": \"reason\"}\r\n";
+  EXPECT_EQ(LoadExcludedHosts(path), (ExcludedHosts{{"a", "reason"}}));
+}
+
 TEST_F(RunFolderTest, AnExclusionFileOfAnotherFormIsNamedWithTheRemedy) {
   const std::string path = ExcludedHostsPathOf(root_);
   for (const char* content : {"", "{", "[\"a\"]", "{\"a\": 1}"}) {
