@@ -120,7 +120,8 @@ std::string_view CheckFrame(std::string_view bytes, const std::string& name) {
   if (format < kOldestCheckpointFormat || format > kCheckpointFormat) {
     throw CheckpointError(name + ": checkpoint format " + std::to_string(format) +
                           ", this build reads formats " + std::to_string(kOldestCheckpointFormat) +
-                          " to " + std::to_string(kCheckpointFormat) + "; use a build that knows it");
+                          " to " + std::to_string(kCheckpointFormat) +
+                          "; use a build that knows it");
   }
   return payload;
 }

@@ -29,8 +29,7 @@ std::string FileName(std::uint64_t version) {
 std::optional<std::uint64_t> VersionOf(const fs::path& path) {
   const std::string name = path.filename().string();
   if (!name.ends_with(kSuffix)) return std::nullopt;
-  return ParseNumber<std::uint64_t>(
-      std::string_view(name).substr(0, name.size() - kSuffix.size()));
+  return ParseNumber<std::uint64_t>(std::string_view(name).substr(0, name.size() - kSuffix.size()));
 }
 
 /// The names that lie in a folder. @param error  why it cannot be read; it then counts as empty.
@@ -183,7 +182,8 @@ std::optional<FoundCheckpoint> FindNewestCheckpoint(const std::string& folder) {
     trace = true;
   }
   if (!trace) return std::nullopt;
-  throw CheckpointDamaged(text + "\n  put a copy of one of them there, or begin anew under another --run");
+  throw CheckpointDamaged(text +
+                          "\n  put a copy of one of them there, or begin anew under another --run");
 }
 
 CheckpointStore::CheckpointStore(std::string folder, int keep, int milestone_every)

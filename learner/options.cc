@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/build_info.h"
-#include "common/cli_number.h"
 #include "common/checkpoint.h"
+#include "common/cli_number.h"
 #include "common/cli_parse.h"
 #include "common/config.h"
 #include "common/files.h"

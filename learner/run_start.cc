@@ -56,16 +56,16 @@ void RequireSameRun(const FoundCheckpoint& found, const RunOptions& options) {
   const Checkpoint& checkpoint = found.checkpoint;
   if (checkpoint.engine != EngineName()) {
     throw CannotStart(found.path + " was trained on " + checkpoint.engine +
-                      ", this learner is built for " + EngineName() +
-                      ": resume with a build for " + checkpoint.engine);
+                      ", this learner is built for " + EngineName() + ": resume with a build for " +
+                      checkpoint.engine);
   }
   RequireShape(checkpoint, options.config, found.path);
   // The total may differ: options have compared it with the run's own file.
   const auto differences = CompareForResume(checkpoint.config, options.config, true);
   if (differences.empty()) return;
   throw CannotStart(found.path + " belongs to another configuration than " +
-                    ConfigPathOf(options.folder) + " (remove that one to go on with the checkpoint's): " +
-                    differences.front());
+                    ConfigPathOf(options.folder) +
+                    " (remove that one to go on with the checkpoint's): " + differences.front());
 }
 
 void Tell(const FoundCheckpoint& found) {

@@ -20,7 +20,8 @@ struct RunStart {
 };
 
 /// Version 0 of a new run; with --resume the newest checkpoint that is whole (damaged ones are put
-/// aside, with a warning), or version 0 if the run never had one. Call with the run's folder locked.
+/// aside, with a warning), or version 0 if the run never had one. Call with the run's folder
+/// locked.
 /// @throws CannotStart, CheckpointError, ConfigError, std::system_error naming the file and, where
 ///         there is one, the way out.
 RunStart StartOf(const RunOptions& options);

@@ -342,8 +342,8 @@ TEST_F(CheckpointOptionsTest, AnotherMeaningOfTheHeadsIsDoubtful) {
   config.mutable_policy()->set_initial_weights(File());
   config.mutable_policy()->set_schedule(SCHEDULE_INTERLEAVED);
   const auto differences = DifferencesFrom(LoadInitialWeights(config), config);
-  EXPECT_EQ(differences.doubtful, (std::vector<std::string>{
-                                      "policy.schedule: trained with blocks, this run has "
+  EXPECT_EQ(differences.doubtful,
+            (std::vector<std::string>{"policy.schedule: trained with blocks, this run has "
                                       "interleaved"}));
 }
 
@@ -371,9 +371,8 @@ TEST_F(CheckpointOptionsTest, TheSameCommandGoesOnAndOtherWeightsAreRefused) {
   config.mutable_policy()->set_initial_weights("/gone/since.ckpt");
   MakeRun(config);
   EXPECT_TRUE(Run({"--resume", "--from", "/gone/../gone/since.ckpt"}).resume);
-  ExpectUsageError(
-      ParseRun({"--resume", "--from", "/other.ckpt"}),
-      "policy.initial_weights: the run has /gone/since.ckpt, asked for /other.ckpt");
+  ExpectUsageError(ParseRun({"--resume", "--from", "/other.ckpt"}),
+                   "policy.initial_weights: the run has /gone/since.ckpt, asked for /other.ckpt");
   MakeRun(config_);
   ExpectUsageError(ParseRun({"--resume", "--from", "/other.ckpt"}),
                    "policy.initial_weights: the run has none, asked for /other.ckpt");

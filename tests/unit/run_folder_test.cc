@@ -34,6 +34,12 @@ TEST_F(RunFolderTest, ALostOrDamagedCounterGoesOnFromTheCheckpoint) {
   EXPECT_EQ(folder.NextIncarnation(4), 5U);
   std::filesystem::remove(folder.File("incarnation"));
   EXPECT_EQ(folder.NextIncarnation(4), 5U);
+  std::ofstream(folder.File("incarnation"), std::ios::trunc);
+  EXPECT_EQ(folder.NextIncarnation(4), 5U);
+  std::filesystem::remove(folder.File("incarnation"));
+  std::filesystem::create_directory(folder.File("incarnation"));
+  EXPECT_EQ(folder.NextIncarnation(4), 5U);
+  EXPECT_EQ(folder.NextIncarnation(4), 6U);
 }
 
 TEST_F(RunFolderTest, ASecondLearnerIsRefusedNamingTheFirstUntilThatEnds) {
