@@ -118,7 +118,7 @@ void PrintJson(const Evaluation& evaluation, const Checkpoint& checkpoint, const
   if (evaluation.time_to_success) json["time_to_success"] = *evaluation.time_to_success;
   json["engine_trained"] = checkpoint.engine;
   json["engine_used"] = EngineName();
-  out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+  out << json.dump(2) << '\n';
 }
 
 void PrintText(const Evaluation& evaluation, const Checkpoint& checkpoint, const std::string& task,

@@ -1,5 +1,6 @@
 #include "learner/initial_weights.h"
 
+#include <algorithm>
 #include <map>
 
 #include "common/build_info.h"
@@ -19,6 +20,11 @@ Texts TextsOf(const RunConfig& config) {
   return texts;
 }
 
+std::string DifferenceOf(const std::string& path, const std::string& there,
+                         const std::string& here) {
+  return path + ": trained with " + there + ", this run has " + here;
+}
+
 void RequireSameNetwork(const Checkpoint& source, const RunConfig& config) {
   const std::string& path = config.policy().initial_weights();
   const Texts there = TextsOf(source.config), here = TextsOf(config);
@@ -27,14 +33,14 @@ void RequireSameNetwork(const Checkpoint& source, const RunConfig& config) {
   if (ShapeOf(source.config).critic_heads != ShapeOf(config).critic_heads) {
     fields.emplace_back("policy.critic_heads");
   }
-  for (const std::string& field : fields) {
-    if (there.at(field) == here.at(field)) continue;
-    throw ConfigError("--from " + path + ": its " + field + " is " + there.at(field) +
-                      ", this run's is " + here.at(field) +
-                      ": weights fit the same method, heads and sizes alone (--set " + field + "=" +
-                      there.at(field) + ")");
-  }
-  RequireShape(source, config, path);
+  const auto other = std::find_if(fields.begin(), fields.end(), [&](const std::string& field) {
+    return there.at(field) != here.at(field);
+  });
+  if (other == fields.end()) return RequireShape(source, config, path);
+  throw ConfigError("--from " + path + ": its " + *other + " is " + there.at(*other) +
+                    ", this run's is " + here.at(*other) +
+                    ": weights fit the same method, heads and sizes alone (--set " + *other + "=" +
+                    there.at(*other) + ")");
 }
 
 }  // namespace
@@ -59,7 +65,7 @@ TrainingDifferences DifferencesFrom(const Checkpoint& source, const RunConfig& c
         of_heads || path == "policy.observation_clip" || path == "policy.noise_correlation";
     if (there.at(path) == here || !(of_environment || of_policy)) continue;
     (of_heads ? differences.doubtful : differences.intended)
-        .push_back(path + ": trained with " + there.at(path) + ", this run has " + here);
+        .push_back(DifferenceOf(path, there.at(path), here));
   }
   if (source.engine != EngineName()) {
     differences.intended.push_back("engine: trained on " + source.engine + ", this run is on " +

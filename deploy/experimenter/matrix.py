@@ -29,7 +29,6 @@ Later ones win: [set], then the task's, then the arm's. A run is named TASK-ARM-
 import difflib
 import tomllib
 from dataclasses import dataclass
-from pathlib import Path
 
 from options import METHODS, RUN_NAME, RUN_NAME_RULE
 
@@ -191,12 +190,13 @@ def _check_tables(data):
 
 def load(path):
     """Reads an experiment file. @throws MatrixError naming the key that is wrong, OSError."""
-    try:
-        data = tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))  # editors may mark the encoding
-    except tomllib.TOMLDecodeError as error:
-        raise MatrixError(str(error)) from None
-    except UnicodeDecodeError as error:
-        raise MatrixError(f"the file is not UTF-8: {error}") from None
+    with open(path, encoding="utf-8-sig") as file:  # some editors begin a file by a byte-order mark
+        try:
+            data = tomllib.loads(file.read())
+        except tomllib.TOMLDecodeError as error:
+            raise MatrixError(str(error)) from None
+        except UnicodeDecodeError as error:
+            raise MatrixError(f"the file is not UTF-8: {error}") from None
     _check_tables(data)
     tasks = [_one_of(task, TASKS, "tasks") for task in _list(data["tasks"], "tasks")]
     for task in data.get("task", {}):

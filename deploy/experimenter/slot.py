@@ -36,7 +36,7 @@ class Slot:
         self.cell, self.files = cell, files
         files.fetch()
         files.runs.mkdir(parents=True, exist_ok=True)
-        self._log = open(files.runs / f"{cell.name}.log", "ab", buffering=0)
+        self._log = open(files.runs / f"{cell.name}.log", "ab")
         self._train = self._spawn(self._train_command(resume=files.started()), subprocess.PIPE)
         self._events.watch(self._train.stdout, self._on_train_says)
         self._under_way = False
@@ -77,10 +77,8 @@ class Slot:
     # Training.
 
     def _on_train_says(self, line):
-        try:
-            self._log.write(line + b"\n")
-        except OSError:  # a full disk costs log lines, never the run
-            pass
+        self._log.write(line + b"\n")
+        self._log.flush()
         if line.startswith(b"update ") and not self._under_way:
             self._under_way = True
             self._note(f"{self.cell.name}: under way")
