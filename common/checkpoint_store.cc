@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -133,13 +134,33 @@ std::string Quoted(const std::string& path) {
   return quoted + "'";
 }
 
-std::string HowToGoBack(const fs::path& refused, const Files& files, const fs::path& latest) {
-  for (const auto& [version, file] : files) {
-    if (file.filename() == refused.filename()) continue;
-    return "; or go back to another one, say: ln -sfn " + file.filename().string() + " " +
-           Quoted(latest.string());
+/// The error again, with the command that goes back to another checkpoint, if there is one.
+[[noreturn]] void RefuseWithWayBack(const CheckpointError& refused, const fs::path& path,
+                                    const fs::path& latest, const Files& files) {
+  std::string text = refused.what();
+  const auto other = std::find_if(files.begin(), files.end(), [&](const auto& file) {
+    return file.second.filename() != path.filename();
+  });
+  if (other != files.end()) {
+    text += "; or go back to another one, say: ln -sfn " + other->second.filename().string() + " " +
+            Quoted(latest.string());
   }
-  return "";
+  if (dynamic_cast<const CheckpointUnreadable*>(&refused)) throw CheckpointUnreadable(text);
+  throw CheckpointError(text);
+}
+
+/// Names everything in the folder that was a checkpoint; returns if nothing was.
+void RequireNoTrace(const std::string& folder, const std::vector<fs::path>& entries,
+                    const std::vector<FoundCheckpoint::PassedOver>& passed_over) {
+  std::string traces;
+  for (const auto& passed : passed_over) traces += "\n  " + passed.why;
+  for (const fs::path& path : entries) {
+    if (!path.filename().string().ends_with(kAside)) continue;
+    traces.append("\n  ").append(path.string()).append(": put aside by an earlier start");
+  }
+  if (traces.empty()) return;
+  throw CheckpointDamaged("no checkpoint in " + folder + " is whole:" + traces +
+                          "\n  put a copy of one of them there, or begin anew under another --run");
 }
 
 }  // namespace
@@ -168,22 +189,11 @@ std::optional<FoundCheckpoint> FindNewestCheckpoint(const std::string& folder) {
       if (!why) return found;
       found.passed_over.push_back({path.string(), *why});
     } catch (const CheckpointError& refused) {
-      const std::string text = refused.what() + HowToGoBack(path, files, latest);
-      if (dynamic_cast<const CheckpointUnreadable*>(&refused)) throw CheckpointUnreadable(text);
-      throw CheckpointError(text);
+      RefuseWithWayBack(refused, path, latest, files);
     }
   }
-  std::string text = "no checkpoint in " + folder + " is whole:";
-  for (const auto& passed : found.passed_over) text += "\n  " + passed.why;
-  bool trace = !found.passed_over.empty();
-  for (const fs::path& path : entries) {
-    if (!path.filename().string().ends_with(kAside)) continue;
-    text += "\n  " + path.string() + ": put aside, damaged, by an earlier start";
-    trace = true;
-  }
-  if (!trace) return std::nullopt;
-  throw CheckpointDamaged(text +
-                          "\n  put a copy of one of them there, or begin anew under another --run");
+  RequireNoTrace(folder, entries, found.passed_over);
+  return std::nullopt;
 }
 
 CheckpointStore::CheckpointStore(std::string folder, int keep, int milestone_every)
@@ -217,7 +227,8 @@ void CheckpointStore::GoOnFrom(const FoundCheckpoint& found) {
 
 // Under a name that is free: nothing is lost. What a link leads to elsewhere is not ours to move.
 void CheckpointStore::PutAside(const std::string& path) const {
-  if (fs::path(path).parent_path() != folder_) return;
+  std::error_code error;
+  if (!fs::equivalent(fs::path(path).parent_path(), folder_, error)) return;
   if (!fs::exists(fs::symlink_status(path))) return;
   std::string to = path + std::string(kAside);
   for (int count = 2; fs::exists(fs::symlink_status(to)); ++count) {

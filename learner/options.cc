@@ -245,7 +245,7 @@ RunConfig OwnConfig(const std::string& folder, std::vector<std::string>& warning
   } catch (const CheckpointError& error) {
     throw ConfigError(damage + ", and " + error.what());
   }
-  if (fs::exists(path)) {
+  if (fs::exists(path) || fs::exists(folder + "/checkpoints")) {
     throw ConfigError(damage + ", and the run has no checkpoint: begin anew under another --run");
   }
   throw ConfigError("no run to resume: there is no " + path +

@@ -362,6 +362,13 @@ TEST_F(NewestCheckpointTest, ADamagedOneIsPutAsideAndTheOneBeforeItIsTaken) {
   }
 }
 
+TEST_F(NewestCheckpointTest, ADamagedOneIsPutAsideHoweverLatestNamesIt) {
+  Write("000004.ckpt", "");
+  PointLatestAt(fs::absolute(folder_).string() + "/../checkpoints/000004.ckpt");
+  EXPECT_EQ(GoOn(), 3U);
+  EXPECT_TRUE(fs::exists(Path("000004.ckpt.damaged")));
+}
+
 TEST_F(NewestCheckpointTest, NothingThatWasPutAsideIsWrittenOver) {
   for (const std::string content : {"one", "two"}) {
     Write("000004.ckpt", content);

@@ -310,8 +310,12 @@ TEST_F(CheckpointOptionsTest, AConfigurationThatIsLostBesideDamagedCheckpointsIs
   WriteConfig("");
   std::ofstream(File(), std::ios::trunc) << "no checkpoint";
   ExpectUsageError(ParseRun({"--resume"}), "is not whole, and no checkpoint in");
-  fs::remove_all(Folder() + "/checkpoints");
-  ExpectUsageError(ParseRun({"--resume"}), "begin anew under another --run");
+  fs::remove(File());
+  fs::remove(Folder() + "/checkpoints/latest");
+  ExpectUsageError(ParseRun({"--resume"}),
+                   "is not whole, and the run has no checkpoint: begin anew");
+  fs::remove(ConfigPathOf(Folder()));
+  ExpectUsageError(ParseRun({"--resume"}), "is missing, and the run has no checkpoint: begin anew");
 }
 
 TEST_F(CheckpointOptionsTest, AWholeConfigurationThatCannotBeReadIsNamedWithTheWayOut) {
