@@ -17,6 +17,7 @@
 #include "common/cpu_count.h"
 #include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
+#include "common/ignored_signals.h"
 #include "common/logging.h"
 #include "common/process_identity.h"
 #include "common/signal_watch.h"
@@ -102,6 +103,7 @@ int Serve(const RunOptions& options) {
 
 int Execute(const RunOptions& options) {
   SetUpLogging("actor", options.log);
+  IgnoreLostReaders();
   const std::string assets = metaworld::DefaultAssetsPath();
   if (!std::filesystem::is_directory(assets)) {
     spdlog::error("the Meta-World scene files are not at {}: run deploy/setup", assets);
@@ -134,6 +136,7 @@ int Main(int argc, char** argv) {
 }  // namespace metronome
 
 int main(int argc, char** argv) {
+  metronome::IgnoreFileSizeLimit();
   try {
     return metronome::Main(argc, argv);
   } catch (const std::exception& error) {

@@ -2,12 +2,10 @@
 
 #include <bit>
 #include <cstring>
-#include <system_error>
 
 #include "common/checkpoint.pb.h"
 #include "common/config.h"
 #include "common/episode.h"
-#include "common/files.h"
 #include "common/network.h"
 #include "common/sha256.h"
 
@@ -77,6 +75,9 @@ std::string SerialisePayload(const Checkpoint& checkpoint) {
   payload.set_progress_bytes(checkpoint.logs.progress_bytes);
   payload.set_events_bytes(checkpoint.logs.events_bytes);
   payload.set_wall_seconds(checkpoint.logs.wall_seconds);
+  if (!checkpoint.initial_weights_sha256.empty()) {
+    payload.set_initial_weights_sha256(checkpoint.initial_weights_sha256);
+  }
   return payload.SerializeAsString();
 }
 
@@ -101,24 +102,26 @@ Sha256Digest DigestOf(std::string_view frame, std::string_view payload) {
 /// @return the payload of a file whose every byte is as it was written.
 std::string_view CheckFrame(std::string_view bytes, const std::string& name) {
   if (bytes.size() < kPayloadAt || bytes.substr(0, kMagic.size()) != kMagic) {
-    throw CheckpointError(name + ": not a Metronome checkpoint (damaged at its start, or " +
-                          "something else altogether; " + std::to_string(bytes.size()) + " bytes)");
+    throw CheckpointDamaged(name + ": not a Metronome checkpoint (damaged at its start, or " +
+                            "something else altogether; " + std::to_string(bytes.size()) +
+                            " bytes)");
   }
   const auto length = Get<std::uint64_t>(bytes, kLengthAt);
   const std::string_view payload = bytes.substr(kPayloadAt);
   const Sha256Digest digest = DigestOf(bytes, payload);
   if (std::memcmp(digest.data(), bytes.data() + kDigestAt, digest.size()) != 0) {
-    throw CheckpointError(name + ": damaged: " +
-                          (length == payload.size() ? "its SHA-256 does not match its content"
-                                                    : "it should hold " + std::to_string(length) +
-                                                          " bytes of payload and holds " +
-                                                          std::to_string(payload.size())));
+    throw CheckpointDamaged(name + ": damaged: " +
+                            (length == payload.size() ? "its SHA-256 does not match its content"
+                                                      : "it should hold " + std::to_string(length) +
+                                                            " bytes of payload and holds " +
+                                                            std::to_string(payload.size())));
   }
   const auto format = Get<std::uint32_t>(bytes, kVersionAt);
   if (format < kOldestCheckpointFormat || format > kCheckpointFormat) {
     throw CheckpointError(name + ": checkpoint format " + std::to_string(format) +
                           ", this build reads formats " + std::to_string(kOldestCheckpointFormat) +
-                          " to " + std::to_string(kCheckpointFormat));
+                          " to " + std::to_string(kCheckpointFormat) +
+                          "; use a build that knows it");
   }
   return payload;
 }
@@ -192,18 +195,9 @@ Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name) {
   checkpoint.build = payload.build();
   checkpoint.incarnation = payload.incarnation();
   checkpoint.logs = {payload.progress_bytes(), payload.events_bytes(), payload.wall_seconds()};
+  checkpoint.initial_weights_sha256 = payload.initial_weights_sha256();
   RequireConsistent(checkpoint, name);
   return checkpoint;
-}
-
-Checkpoint LoadCheckpoint(const std::string& path) {
-  std::string bytes;
-  try {
-    bytes = ReadFile(path);
-  } catch (const std::system_error& error) {
-    throw CheckpointError("cannot read checkpoint " + path + ": " + error.code().message());
-  }
-  return DecodeCheckpoint(bytes, path);
 }
 
 void RequireShape(const Checkpoint& checkpoint, const RunConfig& config, const std::string& name) {

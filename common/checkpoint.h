@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/config.pb.h"
 #include "common/train_state.h"
@@ -39,6 +40,7 @@ struct Checkpoint {
   std::string build;              // its BuildIdentity()
   std::uint64_t incarnation = 0;  // its incarnation
   LogOffsets logs;
+  std::string initial_weights_sha256;  // of what policy.initial_weights named; empty: of nothing
 };
 
 /// The file cannot be used; what() names it and says why.
@@ -47,26 +49,60 @@ class CheckpointError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Its bytes are not those that were written: empty, torn, changed. It never can be used again.
+class CheckpointDamaged : public CheckpointError {
+ public:
+  using CheckpointError::CheckpointError;
+};
+
+/// It cannot be read now (permissions, a disk that fails, no such file). It may be whole.
+class CheckpointUnreadable : public CheckpointError {
+ public:
+  using CheckpointError::CheckpointError;
+};
+
 /// The whole file as bytes, and back. The same checkpoint gives the same bytes.
 /// @param name  of the file, for messages.
-/// @throws CheckpointError for anything but an undamaged checkpoint of a known format whose state
-///         fits its configuration.
+/// @throws CheckpointDamaged, and CheckpointError for anything else but a checkpoint of a known
+///         format whose state fits its configuration.
 std::string EncodeCheckpoint(const Checkpoint& checkpoint);
 Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name);
 
-/// @throws CheckpointError, see DecodeCheckpoint; also when the file cannot be read.
+/// @throws CheckpointError, see DecodeCheckpoint, and CheckpointUnreadable; where the file is
+///         damaged or cannot be read, what() names the checkpoints that lie beside it.
 Checkpoint LoadCheckpoint(const std::string& path);
 
 /// @throws CheckpointError naming both shapes if the checkpoint's network does not have the shape
 ///         that `config` (resolved) asks for.
 void RequireShape(const Checkpoint& checkpoint, const RunConfig& config, const std::string& name);
 
+/// A checkpoint to go on from.
+struct FoundCheckpoint {
+  struct PassedOver {
+    std::string path;
+    std::string why;  // names the path
+  };
+  std::string path;
+  Checkpoint checkpoint;
+  std::vector<PassedOver> passed_over;  // damaged or missing, and would have been taken first
+};
+
+/// The newest checkpoint of a run's folder of checkpoints that is whole. What `latest` names comes
+/// first, then older ones, then (nothing else is left) newer ones; without a word of `latest`, the
+/// newest. Changes nothing.
+/// @return std::nullopt if the folder holds no trace of a checkpoint.
+/// @throws CheckpointDamaged naming each file if none is whole; CheckpointError, with the command
+///         that goes back to another one, if the one to take is whole and cannot be used, or cannot
+///         be read.
+std::optional<FoundCheckpoint> FindNewestCheckpoint(const std::string& folder);
+
 /// The checkpoints of one run: FOLDER/000123.ckpt for version 123, FOLDER/latest a link to the
 /// newest. One writer per folder (the run's lock); not thread-safe.
 class CheckpointStore {
  public:
   /// Makes the folder if needed and removes what a killed writer left half-written.
-  /// @param keep             newest files that pruning leaves, at least 1.
+  /// @param keep             newest files that pruning leaves, at least 1; those of versions above
+  ///                         the one just written (the run was set back) are left too.
   /// @param milestone_every  versions that are multiples of it are never pruned, nor counted among
   ///                         the newest; 0: none.
   /// @throws std::system_error if the folder cannot be made.
@@ -77,12 +113,18 @@ class CheckpointStore {
   /// @throws std::system_error (disk full, say): `latest` and what it names are as they were.
   std::string Save(const Checkpoint& checkpoint);
 
+  /// Makes `found` what `latest` names, and renames what was passed over to NAME.damaged: no later
+  /// start takes it for good, and pruning counts good ones alone.
+  /// @throws std::system_error naming the path.
+  void GoOnFrom(const FoundCheckpoint& found);
+
   /// Path of the newest checkpoint: what `latest` names, else (the link is missing) the file of the
   /// highest version; std::nullopt if there is none.
   [[nodiscard]] std::optional<std::string> Latest() const;
 
  private:
-  void Prune() const;
+  void PutAside(const std::string& path) const;
+  void Prune(std::uint64_t newest) const;
 
   std::string folder_;
   int keep_;

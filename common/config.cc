@@ -65,7 +65,8 @@ std::vector<std::string> CompareForResume(const RunConfig& old_config, const Run
     const bool total = path == "total_steps";
     if (total && new_total_allowed) return;
     differences.push_back(
-        path + ": the run has " + before + ", asked for " + now +
+        path + ": the run has " + (before.empty() ? "none" : before) + ", asked for " +
+        (now.empty() ? "none" : now) +
         (total ? " (the learning rate depends on it; --new-total allows it)" : ""));
   });
   return differences;

@@ -185,9 +185,18 @@ void RecordOrigins(const google::protobuf::Message& group, const TextFormat::Par
   }
 }
 
+// Editors of Windows mark their encoding by the first bytes. @return the text behind the mark.
+std::string WithoutByteOrderMark(const std::string& text, const std::string& name) {
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+    throw ConfigError(name + ":1:1: the file is saved as UTF-16: save it as UTF-8");
+  }
+  return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
+}
+
 }  // namespace
 
-ParsedConfig ParseConfigText(const std::string& text, const std::string& name) {
+ParsedConfig ParseConfigText(const std::string& whole, const std::string& name) {
+  const std::string text = WithoutByteOrderMark(whole, name);
   const SourceText source(text, name);
   FirstError errors(source);
   TextFormat::ParseInfoTree tree;

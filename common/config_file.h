@@ -17,7 +17,8 @@ struct ParsedConfig {
   ConfigOrigins origins;  // one entry per leaf that it sets
 };
 
-/// Parses text format. Positions are 1-based; columns count bytes.
+/// Parses text format, in UTF-8, with or without a byte-order mark. Positions are 1-based; columns
+/// count bytes (without the mark).
 /// @param name  of the source, for messages.
 /// @throws ConfigError "name:line:column: message" - for an unknown field or enum value with the
 ///         near miss and the list.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ostream>
 #include <set>
+#include <stdexcept>
 #include <variant>
 
 #include "learner/exit_codes.h"
@@ -34,6 +35,7 @@ bool IsOver(const LearnerStatus& status) {
 
 void Show(const LearnerStatus& status, bool json, std::ostream& out) {
   out << (json ? StatusJson(status) + "\n" : StatusTable(status)) << std::flush;
+  if (!out) throw std::runtime_error("cannot write to standard output");
 }
 
 // A late joiner gets the last status however old it is. Its age is the difference of two hosts'

@@ -28,11 +28,18 @@ std::string PolicyWord(const RunConfig& config, const std::string& field) {
   return FieldText(config.policy(), *PolicyConfig::descriptor()->FindFieldByName(field));
 }
 
-nlohmann::ordered_json Describe(const Checkpoint& checkpoint) {
+using Json = nlohmann::ordered_json;
+
+/// A path may not be text.
+std::string Dump(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json Describe(const Checkpoint& checkpoint) {
   const RunConfig& config = checkpoint.config;
   const NetworkShape shape = ShapeOf(config);
   const TrainState& state = checkpoint.state;
-  return {
+  Json description = {
       {"version", state.version},
       {"steps", state.steps},
       {"weights_sha256", WeightsSha256(state.parameters)},
@@ -53,20 +60,25 @@ nlohmann::ordered_json Describe(const Checkpoint& checkpoint) {
       {"wall_seconds", checkpoint.logs.wall_seconds},
       {"head_std", HeadStd(checkpoint)},
   };
+  if (!checkpoint.initial_weights_sha256.empty()) {
+    description["initial_weights"] = config.policy().initial_weights();
+    description["initial_weights_sha256"] = checkpoint.initial_weights_sha256;
+  }
+  return description;
 }
 
 }  // namespace
 
 void PrintCheckpoint(const Checkpoint& checkpoint, std::ostream& out) {
-  const nlohmann::ordered_json description = Describe(checkpoint);
+  const Json description = Describe(checkpoint);
   for (const auto& [name, value] : description.items()) {
-    out << std::left << std::setw(18) << name
-        << (value.is_string() ? value.get<std::string>() : value.dump()) << "\n";
+    out << std::left << std::setw(18) << name + " "
+        << (value.is_string() ? value.get<std::string>() : Dump(value)) << "\n";
   }
 }
 
 void PrintCheckpointJson(const Checkpoint& checkpoint, std::ostream& out) {
-  out << Describe(checkpoint).dump() << "\n";
+  out << Dump(Describe(checkpoint)) << "\n";
 }
 
 }  // namespace metronome

@@ -13,6 +13,8 @@ void PrintCheckpoint(const Checkpoint& checkpoint, std::ostream& out);
 /// task, method, heads, schedule, critic_heads, seed, engine, build, incarnation, episodes_used,
 /// parameters (their number), actor_parameters and critic_parameters (of each network),
 /// total_steps, wall_seconds and head_std ([k], mean of exp(log_std) over the action).
+/// Of a run that began with another one's weights also initial_weights (the path given) and
+/// initial_weights_sha256.
 void PrintCheckpointJson(const Checkpoint& checkpoint, std::ostream& out);
 
 }  // namespace metronome

@@ -1,10 +1,12 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <stdexcept>
 #include <variant>
 
 #include "common/checkpoint.h"
 #include "common/config.h"
+#include "common/ignored_signals.h"
 #include "common/network.h"
 #include "learner/exit_codes.h"
 #include "learner/inspect.h"
@@ -15,6 +17,11 @@
 namespace metronome {
 namespace {
 
+/// What was printed is the result. @throws std::runtime_error if it is lost (a full disk, say).
+void RequireWritten() {
+  if (!std::cout.flush()) throw std::runtime_error("cannot write to standard output");
+}
+
 int Execute(const RunOptions& options) { return ServeRun(options); }
 
 int Execute(const StatusOptions& options) { return WatchRun(options); }
@@ -23,6 +30,7 @@ int Execute(const InspectOptions& options) {
   try {
     const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
     (options.json ? PrintCheckpointJson : PrintCheckpoint)(checkpoint, std::cout);
+    RequireWritten();
     return kExitFinished;
   } catch (const std::exception& error) {
     std::cerr << "metronome-learner inspect: " << error.what() << "\n";
@@ -36,6 +44,7 @@ int Execute(const PrintConfigOptions& options) {
   std::cout << "# parameters: " << ParameterCount(shape) << " (actor " << ActorLayout(shape).size
             << ", critic " << CriticLayout(shape).size << ")\n"
             << PrintConfig(options.config);
+  RequireWritten();
   return kExitFinished;
 }
 
@@ -50,6 +59,7 @@ int Main(int argc, char** argv) {
 }  // namespace metronome
 
 int main(int argc, char** argv) {
+  metronome::IgnoreFileSizeLimit();
   try {
     return metronome::Main(argc, argv);
   } catch (const std::exception& error) {

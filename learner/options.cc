@@ -3,15 +3,20 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
+#include <system_error>
 #include <vector>
 
 #include "common/build_info.h"
+#include "common/checkpoint.h"
 #include "common/cli_number.h"
 #include "common/cli_parse.h"
 #include "common/config.h"
+#include "common/files.h"
 #include "common/logging.h"
 #include "common/near_miss.h"
 #include "common/task_names.h"
+#include "learner/initial_weights.h"
 
 namespace metronome {
 namespace {
@@ -34,6 +39,9 @@ constexpr FieldOption kFieldOptions[] = {
      "Heads of multihead, at most the horizon [default: 10; ppo and ppo-time have 1]"},
     {"--steps", "total_steps", "S", "Environment steps in all, rounded up to whole updates"},
     {"--seed", "seed", "N", "Key of every random stream"},
+    {"--from", "policy.initial_weights", "CHECKPOINT",
+     "Begin a new run with this checkpoint's weights and observation statistics: of the same "
+     "method, heads and sizes [default: none]"},
     {"--horizon", "environment.horizon", "T", "Steps an episode, at most 500"},
     {"--placements", "environment.placements", "P",
      "Of object and goal: random (each episode its own), fixed (one, by seed), mt1 (the official "
@@ -182,7 +190,10 @@ RunConfig BuildConfig(ConfigDraft draft, const CLI::App& command,
     if (command.get_option(option.name)->count() == 0) continue;
     draft.Set(option.path, FieldValue(option, arguments.fields.at(option.name)), option.name);
   }
-  return draft.Finish();
+  RunConfig config = draft.Finish();
+  std::string& weights = *config.mutable_policy()->mutable_initial_weights();
+  if (!weights.empty()) weights = fs::absolute(weights).lexically_normal().string();
+  return config;
 }
 
 ProgressStyle ProgressOf(const std::string& word) {
@@ -200,15 +211,50 @@ void RequireKnown(const std::string& option, const std::string& word,
   throw ConfigError(option + ": " + UnknownName("value", word, words));
 }
 
-RunConfig ResumedConfig(const RunArguments& run, const std::string& folder, const CLI::App& command,
-                        const ConfigArguments& arguments) {
-  const std::string path = ConfigPathOf(folder);
-  if (!fs::exists(path)) {
-    throw ConfigError("no run to resume: there is no " + path +
-                      " (--runs-dir names the folder of "
-                      "all runs)");
+/// The configuration that the run's file holds; none if it is missing or ends too early.
+/// @throws ConfigError.
+std::optional<RunConfig> ConfigOfFile(const std::string& path) {
+  if (!fs::exists(path)) return std::nullopt;
+  std::string text;
+  try {
+    text = ReadFile(path);
+  } catch (const std::system_error& error) {
+    throw ConfigError("cannot read " + path + ": " + error.code().message());
   }
-  const RunConfig old_config = Resolve(ParseConfigFile(path).config);
+  // PrintConfig writes the total last.
+  const bool whole = text.ends_with('\n') && text.find("\ntotal_steps:") != std::string::npos;
+  if (!whole) return std::nullopt;
+  try {
+    return Resolve(ParseConfigText(text, path).config);
+  } catch (const ConfigError& error) {
+    throw ConfigError(std::string(error.what()) +
+                      " (without the file, --resume takes the newest checkpoint's configuration)");
+  }
+}
+
+/// The run's own configuration: its file's, or its newest checkpoint's. @throws ConfigError.
+RunConfig OwnConfig(const std::string& folder, std::vector<std::string>& warnings) {
+  const std::string path = ConfigPathOf(folder);
+  if (auto config = ConfigOfFile(path)) return *config;
+  const std::string damage = path + (fs::exists(path) ? " is not whole" : " is missing");
+  try {
+    if (const auto found = FindNewestCheckpoint(folder + "/checkpoints")) {
+      warnings.push_back(damage + ": it is made anew from " + found->path);
+      return Resolve(found->checkpoint.config);
+    }
+  } catch (const CheckpointError& error) {
+    throw ConfigError(damage + ", and " + error.what());
+  }
+  if (fs::exists(path) || fs::exists(folder + "/checkpoints")) {
+    throw ConfigError(damage + ", and the run has no checkpoint: begin anew under another --run");
+  }
+  throw ConfigError("no run to resume: there is no " + path +
+                    " (--runs-dir names the folder of all runs)");
+}
+
+RunConfig ResumedConfig(const RunArguments& run, const CLI::App& command,
+                        const ConfigArguments& arguments, RunOptions& options) {
+  const RunConfig old_config = OwnConfig(options.folder, options.warnings);
   RunConfig config = BuildConfig(ConfigDraft(old_config), command, arguments);
   const auto differences = CompareForResume(old_config, config, run.new_total);
   if (differences.empty()) return config;
@@ -231,7 +277,7 @@ RunOptions BuildRun(const RunArguments& run, const CLI::App& command,
   RequireKnown("--log-level", run.log.level, LogLevels());
   RequireKnown("--log-format", run.log.format, LogFormats());
   if (run.resume) {
-    options.config = ResumedConfig(run, options.folder, command, arguments);
+    options.config = ResumedConfig(run, command, arguments, options);
     return options;
   }
   options.config = BuildConfig(ConfigDraft(), command, arguments);
@@ -240,6 +286,7 @@ RunOptions BuildRun(const RunArguments& run, const CLI::App& command,
     throw ConfigError("run " + run.run + " exists (" + options.folder +
                       "): --resume goes on with it; choose another --run for a new one");
   }
+  if (!options.config.policy().initial_weights().empty()) LoadInitialWeights(options.config);
   return options;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "common/config.pb.h"
 #include "common/logging.h"
@@ -18,6 +19,7 @@ struct RunOptions {
   std::string folder;  // RUNS_DIR/NAME; may not exist yet
   bool resume = false;
   RunConfig config;  // resolved and valid; with `resume` the run's own, runtime as asked for
+  std::vector<std::string> warnings;  // to be logged
   ProgressStyle progress = ProgressStyle::kLines;
   LogOptions log;
 };
@@ -48,7 +50,8 @@ struct StatusOptions {
 
 using LearnerCommand = std::variant<RunOptions, InspectOptions, PrintConfigOptions, StatusOptions>;
 
-/// Reads configuration files and, with --resume, the run's own. Prints help and errors itself.
+/// Reads configuration files and, with --resume, the run's own, or its checkpoint's where that file
+/// is missing or torn. Prints help and errors itself.
 /// @return the command, or the exit status to end with: 0 after help, 2 after a usage error, among
 ///         them a run that exists (without --resume) or does not (with it), and a difference that
 ///         forbids resuming.

@@ -41,7 +41,7 @@ RunFolder::~RunFolder() {
 void RunFolder::Lock() {
   const std::string file = File("lock");
   lock_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (lock_ < 0) Fail(file);
+  if (lock_ < 0) Fail("cannot lock " + file);
   if (flock(lock_, LOCK_EX | LOCK_NB) == 0) {
     const std::string text = HolderText() + "\n";
     if (ftruncate(lock_, 0) != 0 || pwrite(lock_, text.data(), text.size(), 0) < 0) {
@@ -55,7 +55,7 @@ void RunFolder::Lock() {
   const bool known = pread(lock_, holder.data(), holder.size() - 1, 0) > 0;
   close(lock_);
   errno = error;
-  if (error != EWOULDBLOCK) Fail(file);
+  if (error != EWOULDBLOCK) Fail("cannot lock " + file);
   std::string who = known ? holder.data() : "a process that did not say who it is";
   while (who.ends_with('\n')) who.pop_back();
   throw RunFolderBusy("a learner of this run is alive: " + who + " holds " + file +
@@ -65,6 +65,11 @@ void RunFolder::Lock() {
 std::uint64_t RunFolder::NextIncarnation(std::uint64_t seen) {
   const std::string file = File("incarnation");
   std::uint64_t last = 0;
+  if (std::filesystem::is_directory(file)) {
+    std::filesystem::rename(file, file + ".damaged");
+    spdlog::warn("{} is a folder, now {}.damaged; going on from the checkpoint's {}", file, file,
+                 seen);
+  }
   if (std::filesystem::exists(file)) {
     const std::string text = ReadFile(file);
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), last);

@@ -4,10 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <exception>
 #include <mutex>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "common/build_info.h"
@@ -17,6 +17,7 @@
 #include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
 #include "common/dds/security.h"
+#include "common/ignored_signals.h"
 #include "common/logging.h"
 #include "common/output_thread.h"
 #include "common/process_identity.h"
@@ -28,16 +29,11 @@
 #include "learner/file_run_record.h"
 #include "learner/metrics_server.h"
 #include "learner/run_folder.h"
+#include "learner/run_start.h"
 #include "learner/trainer_learning.h"
 
 namespace metronome {
 namespace {
-
-/// The run cannot be served as asked; exits 2.
-class Unusable : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// Whom a signal stops, while there is someone. Thread-safe.
 class StopTarget {
@@ -86,48 +82,6 @@ std::uint64_t UpdatesTotal(const RunConfig& config) {
   return config.total_steps() / steps + (config.total_steps() % steps == 0 ? 0 : 1);
 }
 
-/// What this process begins with: the run's newest checkpoint, or version 0.
-struct Start {
-  Checkpoint checkpoint;
-  bool resumed = false;
-};
-
-Start FreshStart(const RunConfig& config) {
-  Start start;
-  start.checkpoint.config = config;
-  start.checkpoint.engine = EngineName();
-  start.checkpoint.state = Trainer::InitialState(config);
-  return start;
-}
-
-Start StartOf(const RunOptions& options) {
-  if (!options.resume) return FreshStart(options.config);
-  const auto path =
-      CheckpointStore(options.folder + "/checkpoints", options.config.runtime().checkpoint_keep())
-          .Latest();
-  if (!path) {
-    // Killed before its first checkpoint, so before its first order: nothing is lost.
-    spdlog::info("run {} has no checkpoint yet: it begins at version 0", options.run);
-    return FreshStart(options.config);
-  }
-  Start start{LoadCheckpoint(*path), true};
-  if (start.checkpoint.engine != EngineName()) {
-    throw Unusable(*path + " was trained on " + start.checkpoint.engine +
-                   ", this learner is built "
-                   "for " +
-                   EngineName() + ": resume with a build for " + start.checkpoint.engine);
-  }
-  RequireShape(start.checkpoint, options.config, *path);
-  // The total may differ: options have compared it with the run's own file.
-  const auto differences = CompareForResume(start.checkpoint.config, options.config, true);
-  if (!differences.empty()) {
-    throw Unusable(*path + " belongs to another configuration: " + differences.front());
-  }
-  start.checkpoint.config = options.config;
-  spdlog::info("going on from {}", *path);
-  return start;
-}
-
 /// What actors give for --network. Over TCP it is what the learner is given; peers that are found
 /// by UDP are the actors' addresses here, and the learner's there.
 std::string NetworkOfActors(const RuntimeConfig& runtime) {
@@ -136,7 +90,7 @@ std::string NetworkOfActors(const RuntimeConfig& runtime) {
   return runtime.network();
 }
 
-CoordinatorSetup SetupOf(const RunOptions& options, const Start& start) {
+CoordinatorSetup SetupOf(const RunOptions& options, const RunStart& start) {
   const RunConfig& config = options.config;
   CoordinatorSetup setup;
   setup.description.learner_id = RandomId();
@@ -218,7 +172,7 @@ int Serve(const RunOptions& options, StopTarget& target) {
   const BusOptions bus_options = BusOptionsOf(options);
   const auto metrics = MetricsServerOf(options.config);
   RunFolder folder(options.folder);
-  Start start = StartOf(options);
+  RunStart start = StartOf(options);
   TrainerLearning learning(options.config, start.checkpoint.state, ThreadsOf(options.config));
   start.checkpoint.incarnation = folder.NextIncarnation(start.checkpoint.incarnation);
   start.checkpoint.build = BuildIdentity();
@@ -246,8 +200,8 @@ int Serve(const RunOptions& options, StopTarget& target) {
 
 int ServeRun(const RunOptions& options) {
   SetUpLogging("learner", options.log);
-  // Whoever reads our output may leave; the run goes on.
-  std::signal(SIGPIPE, SIG_IGN);
+  for (const std::string& warning : options.warnings) spdlog::warn("{}", warning);
+  IgnoreLostReaders();
   StopTarget target;
   // Before the bus and the trainer, whose threads must inherit the blocked signals.
   const SignalWatch signals([&target](int signal) { target.Signal(signal); });
@@ -256,7 +210,13 @@ int ServeRun(const RunOptions& options) {
   } catch (const RunFolderBusy& error) {
     spdlog::error("{}", error.what());
     return kExitRival;
-  } catch (const Unusable& error) {
+  } catch (const CheckpointUnreadable& error) {  // another start may find it readable
+    spdlog::error("{}", error.what());
+    return kExitFailure;
+  } catch (const CheckpointError& error) {
+    spdlog::error("{}", error.what());
+    return kExitUsage;
+  } catch (const CannotStart& error) {
     spdlog::error("{}", error.what());
     return kExitUsage;
   } catch (const std::invalid_argument& error) {

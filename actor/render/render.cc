@@ -134,7 +134,9 @@ void Render(const RenderOptions& options, std::ostream& out, std::ostream& err) 
   if (!options.csv.empty()) WriteFileAtomically(options.csv, Csv(path));
   out << task << ", weights version " << checkpoint.state.version << ", seed " << options.seed
       << ", episode " << options.episode << ": return " << FormatNumber(path.outcome.episode_return)
-      << (path.outcome.success ? ", success" : ", no success") << '\n';
+      << (path.outcome.success ? ", success" : ", no success") << '\n'
+      << std::flush;
+  if (!out) throw std::runtime_error("cannot write the result to standard output");
 }
 
 }  // namespace

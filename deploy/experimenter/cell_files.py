@@ -158,11 +158,12 @@ class CellFiles:
         """Keeps in results/ what another checkout needs to go on with the run.
         @param due  versions whose evaluation is still to come: no later checkpoint can make up for them.
         @return None, or why that is not possible."""
-        latest = self.run / "checkpoints" / "latest"
-        if not latest.exists():
-            return None
         there = self.checkpoints()
-        carried = {latest.resolve(), *(there[version] for version in due)}
+        if not there:
+            return None
+        latest = self.run / "checkpoints" / "latest"
+        newest = latest.resolve() if latest.exists() else there[max(there)]
+        carried = {newest, *(there[version] for version in due)}
         if max(path.stat().st_size for path in carried) > LARGEST_CARRIED:
             return f"{self.name}: its checkpoint is larger than 1 MB and is not kept in results/"
         target, partial = self.result / "unfinished", self.result / "unfinished.tmp"

@@ -123,6 +123,12 @@ def _parser():
         help="one configuration value, e.g. ppo.clip=0.1; may be repeated",
     )
     parser.add_argument(
+        "--from",
+        metavar="CHECKPOINT",
+        help="begin a new run with this checkpoint's weights and observation statistics: of the "
+        "same method, heads and sizes",
+    )
+    parser.add_argument(
         "--placements",
         type=_one_of(("random", "fixed", "mt1")),
         help="where objects and goals start (default random)",
@@ -219,6 +225,10 @@ def parse(arguments):
         parser.error("which task? For example: deploy/train push")
     if options.config is not None and not Path(options.config).is_file():
         parser.error(f"there is no configuration file {options.config}")
+    weights = getattr(options, "from")
+    # A run gone on with has read them; it only compares the name.
+    if weights is not None and not options.resume and not Path(weights).is_file():
+        parser.error(f"--from: there is no checkpoint {weights}")
     if options.new_total and not options.resume:
         parser.error("--new-total is for --resume")
     if options.resume and not options.named:
@@ -259,6 +269,7 @@ def learner_command(options):
         "steps",
         "seed",
         "config",
+        "from",
         "placements",
         "horizon",
         "goal",

@@ -118,7 +118,7 @@ class Session:
         logs.mkdir(parents=True, exist_ok=True)
         self._log = open(logs / "learner.log", "ab", buffering=0)
         for line in self._early:
-            self._keep(line)
+            self._on_log(line)
         # A run that was finished before needs none; they would wait for a learner that has ended.
         count = self._options.actors if record["update"] < record["updates_total"] else 0
         self._actors = [Actor(i, logs / f"actor-{i}.log") for i in range(count)]

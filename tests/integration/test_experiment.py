@@ -6,10 +6,15 @@ import os
 import select
 import shutil
 import signal
+import sys
+from types import SimpleNamespace
 
 import pytest
 
 from harness import ACTOR, BUILD, DEADLINE, LEARNER, ROOT
+
+sys.path.insert(0, str(ROOT / "deploy" / "experimenter"))
+from cell_files import CellFiles  # noqa: E402
 
 EXPERIMENT = str(ROOT / "deploy" / "experiment")
 ENGINE = "3.3.0" if BUILD.name.endswith("3.3.0") else "2.2.2"
@@ -219,6 +224,26 @@ OTHER_EVALUATION = [
     ("milestones = 2", "milestones = 4", "milestone_every"),
 ]
 OTHER_SEED = ("episodes = 1", "episodes = 1\nseed = 3", "evaluation_seed")
+
+
+def test_a_file_of_an_editor_of_windows_is_read(stage):
+    place = Place(stage)
+    place.file.write_bytes(b"\xef\xbb\xbf" + place.file.read_bytes().replace(b"\n", b"\r\n"))
+    listed = place.start("--list")
+    assert listed.wait(60) == 0, listed
+    assert "push-multihead-s7" in listed.text, listed
+
+
+def test_a_run_whose_newest_checkpoint_is_lost_is_carried_all_the_same(tmp_path):
+    cell = SimpleNamespace(experiment="small", name="cell")
+    files = CellFiles(cell, tmp_path / "runs", tmp_path / "results")
+    folder = tmp_path / "runs" / "small" / "cell" / "checkpoints"
+    folder.mkdir(parents=True)
+    (folder / "000003.ckpt").write_text("three")
+    (folder / "latest").symlink_to("000004.ckpt")
+    assert files.carry(set()) is None
+    carried = tmp_path / "results" / "small" / "cell" / "unfinished" / "checkpoints"
+    assert [path.name for path in carried.iterdir()] == ["000003.ckpt"]
 
 
 def test_a_done_cell_of_other_settings_is_not_taken_for_the_one_asked(stage):

@@ -133,7 +133,7 @@ TEST(CheckpointTest, AnotherFormatSaysWhich) {
   for (const std::uint32_t format : {0U, 9U}) {
     EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), format)),
               "x.ckpt: checkpoint format " + std::to_string(format) +
-                  ", this build reads formats 1 to 4");
+                  ", this build reads formats 1 to 4; use a build that knows it");
   }
 }
 
@@ -287,6 +287,202 @@ TEST_F(CheckpointStoreTest, RemovesWhatAKilledWriterLeft) {
   std::ofstream(folder_ + "/000002.ckpt.tmp.4711") << "half";
   EXPECT_EQ(CheckpointStore(folder_, 5).Latest(), folder_ + "/000001.ckpt");
   EXPECT_EQ(Names(), (std::vector<std::string>{"000001.ckpt", "latest"}));
+}
+
+TEST_F(CheckpointStoreTest, ARunThatWasSetBackKeepsWhatLiesAheadAndItsOwnNewest) {
+  CheckpointStore store(folder_, 2);
+  for (std::uint64_t version = 5; version <= 6; ++version) store.Save(SmallCheckpoint(version));
+  for (std::uint64_t version = 1; version <= 3; ++version) store.Save(SmallCheckpoint(version));
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000002.ckpt", "000003.ckpt", "000005.ckpt",
+                                               "000006.ckpt", "latest"}));
+}
+
+/// A folder with versions 1 to 4, `latest` naming the last.
+class NewestCheckpointTest : public CheckpointStoreTest {
+ protected:
+  NewestCheckpointTest() {
+    for (std::uint64_t version = 1; version <= 4; ++version) store_.Save(SmallCheckpoint(version));
+  }
+
+  [[nodiscard]] std::string Path(const std::string& name) const { return folder_ + "/" + name; }
+
+  void Write(const std::string& name, const std::string& content) const {
+    std::ofstream(Path(name), std::ios::binary | std::ios::trunc) << content;
+  }
+
+  void PointLatestAt(const std::string& target) const {
+    fs::remove_all(Path("latest"));
+    fs::create_symlink(target, Path("latest"));
+  }
+
+  /// Goes on from what is found. @return its version.
+  std::uint64_t GoOn() {
+    const auto found = FindNewestCheckpoint(folder_);
+    if (!found) return 0;
+    store_.GoOnFrom(*found);
+    passed_over_ = found->passed_over.size();
+    return found->checkpoint.state.version;
+  }
+
+  [[nodiscard]] std::string Refusal() const {
+    try {
+      static_cast<void>(FindNewestCheckpoint(folder_));
+    } catch (const CheckpointError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  CheckpointStore store_{folder_, 5};
+  std::size_t passed_over_ = 0;
+};
+
+TEST_F(NewestCheckpointTest, LatestIsObeyedAlsoWhereItNamesAnOlderOne) {
+  EXPECT_EQ(GoOn(), 4U);
+  PointLatestAt("000002.ckpt");
+  EXPECT_EQ(GoOn(), 2U);
+  EXPECT_EQ(passed_over_, 0U);
+  EXPECT_EQ(fs::read_symlink(Path("latest")), "000002.ckpt");
+}
+
+TEST_F(NewestCheckpointTest, ADamagedOneIsPutAsideAndTheOneBeforeItIsTaken) {
+  const std::string whole = ReadFile(Path("000004.ckpt"));
+  std::string flipped = whole;
+  flipped[whole.size() / 2] ^= 1;
+  for (const std::string& content : {std::string(), whole.substr(0, 20), whole.substr(0, 1000),
+                                     flipped, std::string(whole.size(), '\0')}) {
+    Write("000004.ckpt", content);
+    PointLatestAt("000004.ckpt");
+    EXPECT_EQ(GoOn(), 3U) << content.size();
+    EXPECT_EQ(passed_over_, 1U);
+    EXPECT_EQ(fs::read_symlink(Path("latest")), "000003.ckpt");
+    EXPECT_FALSE(fs::exists(Path("000004.ckpt")));
+    EXPECT_EQ(ReadFile(Path("000004.ckpt.damaged")), content);
+    fs::remove(Path("000004.ckpt.damaged"));
+  }
+}
+
+TEST_F(NewestCheckpointTest, ADamagedOneIsPutAsideHoweverLatestNamesIt) {
+  Write("000004.ckpt", "");
+  PointLatestAt(fs::absolute(folder_).string() + "/../checkpoints/000004.ckpt");
+  EXPECT_EQ(GoOn(), 3U);
+  EXPECT_TRUE(fs::exists(Path("000004.ckpt.damaged")));
+}
+
+TEST_F(NewestCheckpointTest, NothingThatWasPutAsideIsWrittenOver) {
+  for (const std::string content : {"one", "two"}) {
+    Write("000004.ckpt", content);
+    EXPECT_EQ(GoOn(), 3U);
+    PointLatestAt("000004.ckpt");
+  }
+  EXPECT_EQ(ReadFile(Path("000004.ckpt.damaged")), "one");
+  EXPECT_EQ(ReadFile(Path("000004.ckpt.2.damaged")), "two");
+}
+
+TEST_F(NewestCheckpointTest, PruningCountsGoodOnesAlone) {
+  for (const std::string name : {"000003.ckpt", "000004.ckpt"}) Write(name, "");
+  EXPECT_EQ(GoOn(), 2U);
+  CheckpointStore(folder_, 2).Save(SmallCheckpoint(3));
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000002.ckpt", "000003.ckpt", "000003.ckpt.damaged",
+                                               "000004.ckpt.damaged", "latest"}));
+}
+
+TEST_F(NewestCheckpointTest, ALinkThatLeadsNowhereGivesTheNewestUpToIt) {
+  fs::remove(Path("000003.ckpt"));
+  PointLatestAt("000003.ckpt");
+  EXPECT_EQ(GoOn(), 2U);
+  EXPECT_EQ(fs::read_symlink(Path("latest")), "000002.ckpt") << "evaluate finds it again";
+  for (const std::string target : {"000000.ckpt", "nowhere", "latest"}) {
+    PointLatestAt(target);
+    EXPECT_EQ(GoOn(), 4U) << target;
+    EXPECT_EQ(fs::read_symlink(Path("latest")), "000004.ckpt");
+  }
+}
+
+TEST_F(NewestCheckpointTest, WithoutTheLinkTheNewestIsTaken) {
+  fs::remove(Path("latest"));
+  EXPECT_EQ(GoOn(), 4U);
+  Write("000004.ckpt", "");
+  EXPECT_EQ(GoOn(), 3U);
+}
+
+TEST_F(NewestCheckpointTest, AFileInPlaceOfTheLinkIsACopyOfACheckpoint) {
+  fs::remove(Path("latest"));
+  fs::copy_file(Path("000003.ckpt"), Path("latest"));
+  EXPECT_EQ(GoOn(), 3U);
+  Write("latest", "000004.ckpt");  // as archives without links hold it
+  EXPECT_EQ(GoOn(), 4U);
+  EXPECT_EQ(fs::read_symlink(Path("latest")), "000004.ckpt");
+}
+
+TEST_F(NewestCheckpointTest, AFolderInPlaceOfTheLinkOrOfAFileIsPutAside) {
+  fs::remove(Path("latest"));
+  fs::create_directory(Path("latest"));
+  fs::remove(Path("000004.ckpt"));
+  fs::create_directory(Path("000004.ckpt"));
+  EXPECT_EQ(GoOn(), 3U);
+  store_.Save(SmallCheckpoint(4));
+  EXPECT_EQ(GoOn(), 4U);
+}
+
+TEST_F(NewestCheckpointTest, WhatIsNotOfTheRunIsNotMoved) {
+  const std::string elsewhere = root_ + "/copy.ckpt";
+  std::ofstream(elsewhere) << "no checkpoint";
+  PointLatestAt(elsewhere);
+  EXPECT_EQ(GoOn(), 4U);
+  EXPECT_TRUE(fs::exists(elsewhere));
+}
+
+TEST_F(NewestCheckpointTest, ANewerFormatIsNotPassedOverButNamedWithTheWayBack) {
+  Write("000004.ckpt", WithFormat(SmallCheckpoint(4), kCheckpointFormat + 1));
+  const std::string text = Refusal();
+  EXPECT_NE(text.find("000004.ckpt: checkpoint format 5, this build reads"), std::string::npos);
+  EXPECT_NE(text.find("ln -sfn 000003.ckpt '" + Path("latest") + "'"), std::string::npos) << text;
+}
+
+TEST_F(NewestCheckpointTest, WhatCannotBeReadIsNotTakenForDamaged) {
+  fs::remove(Path("000004.ckpt"));
+  fs::create_symlink("/proc/self/mem", Path("000004.ckpt"));  // reading it fails, whoever asks
+  EXPECT_THROW(FindNewestCheckpoint(folder_), CheckpointUnreadable);
+  EXPECT_NE(Refusal().find("Input/output error; or go back to"), std::string::npos) << Refusal();
+}
+
+TEST_F(NewestCheckpointTest, WithoutAWholeOneEachIsNamed) {
+  for (const std::string name : {"000001.ckpt", "000002.ckpt", "000003.ckpt", "000004.ckpt"}) {
+    Write(name, "");
+  }
+  const std::string text = Refusal();
+  for (const std::string word : {"000001.ckpt: ", "000004.ckpt: ", "another --run"}) {
+    EXPECT_NE(text.find(word), std::string::npos) << text;
+  }
+}
+
+TEST_F(NewestCheckpointTest, OnlyAFolderWithoutATraceOfOneHasNone) {
+  for (const std::string name : {"000001.ckpt", "000002.ckpt", "000003.ckpt", "000004.ckpt"}) {
+    fs::remove(Path(name));
+  }
+  EXPECT_NE(Refusal().find("000004.ckpt: missing"), std::string::npos) << Refusal();
+  fs::remove(Path("latest"));
+  EXPECT_EQ(FindNewestCheckpoint(folder_), std::nullopt);
+  Write("000004.ckpt.damaged", "");
+  EXPECT_NE(Refusal().find("000004.ckpt.damaged"), std::string::npos) << Refusal();
+  EXPECT_EQ(FindNewestCheckpoint(root_ + "/no such folder"), std::nullopt);
+}
+
+TEST_F(NewestCheckpointTest, ReadingWhatIsNotThereNamesWhatIs) {
+  PointLatestAt("000009.ckpt");
+  for (const std::string& path : {Path("latest"), Path("000009.ckpt"), root_}) {
+    try {
+      static_cast<void>(LoadCheckpoint(path));
+      FAIL() << path;
+    } catch (const CheckpointUnreadable& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("there are 000004.ckpt, 000003.ckpt"), std::string::npos) << text;
+      EXPECT_EQ(text.find("leads to 000009.ckpt") != std::string::npos, path == Path("latest"));
+    }
+  }
+  Write("000004.ckpt", "");
+  EXPECT_THROW(LoadCheckpoint(Path("000004.ckpt")), CheckpointDamaged);
 }
 
 /// Saves in a child in which no file may grow past 1000 bytes (the limit cannot be raised again).

@@ -143,6 +143,20 @@ TEST(ParseConfigTest, ErrorsNameFileLineAndColumn) {
   EXPECT_EQ(ParseErrorOf("seed: -1").substr(0, 13), "run.cfg:1:7: ");
 }
 
+TEST(ParseConfigTest, AFileOfAnEditorOfWindowsIsRead) {
+  const std::string text = "\xef\xbb\xbf# notes\r\nseed: 3\r\nppo {\r\n  clip: 0.1\r\n}\r\n";
+  const ParsedConfig parsed = ParseConfigText(text, "run.cfg");
+  EXPECT_EQ(parsed.config.seed(), 3U);
+  EXPECT_EQ(parsed.origins.at("ppo.clip"), "run.cfg:4:3");
+  EXPECT_EQ(ParseErrorOf("\xef\xbb\xbfseed: -1").substr(0, 13), "run.cfg:1:7: ");
+}
+
+TEST(ParseConfigTest, AnotherEncodingIsNamed) {
+  for (const std::string& text : {std::string("\xff\xfes\0", 4), std::string("\xfe\xff\0s", 4)}) {
+    EXPECT_NE(ParseErrorOf(text).find("saved as UTF-16: save it as UTF-8"), std::string::npos);
+  }
+}
+
 TEST(ParseConfigTest, EmptyTextIsAnEmptyConfiguration) {
   EXPECT_EQ(ParseConfigText("", "run.cfg").config.SerializeAsString(), "");
   EXPECT_EQ(ParseConfigText("# only a comment\n", "run.cfg").config.SerializeAsString(), "");

@@ -60,6 +60,13 @@ Ending Show(ScriptedBus bus, const FollowOptions& options = kFollowing) {
   return ending;
 }
 
+TEST(FollowTest, AnOutputThatTakesNothingMoreIsAnError) {
+  ScriptedBus bus({StatusOf(1, 1), std::nullopt});
+  std::ostringstream full;
+  full.setstate(std::ios::badbit);
+  EXPECT_THROW(ShowLearner(bus, Clock::time_point{}, kFollowing, full), std::runtime_error);
+}
+
 TEST(FollowTest, NobodyIsThere) {
   const Ending ending = Show(ScriptedBus({std::nullopt}));
   EXPECT_EQ(ending.code, std::nullopt);

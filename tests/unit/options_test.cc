@@ -9,9 +9,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/checkpoint.h"
 #include "common/config.h"
 #include "common/network.h"
 #include "common/sha256.h"
+#include "learner/initial_weights.h"
 #include "learner/inspect.h"
 #include "tests/unit/temporary_folder.h"
 
@@ -241,6 +243,145 @@ TEST_F(OptionsTest, ResumingARunThatIsNotThereNamesTheFile) {
   ExpectUsageError(ParseRun({"--resume"}), "no run to resume: there is no " + runs_);
 }
 
+/// A run of three heads whose checkpoint of version 12 is whole, and one to begin others with.
+class CheckpointOptionsTest : public OptionsTest {
+ protected:
+  CheckpointOptionsTest() {
+    config_ = Run({"--heads", "3", "--set", "policy.hidden=2", "--steps", "4000"}).config;
+    MakeRun(config_);
+    Save(config_);
+  }
+
+  void Save(const RunConfig& config) {
+    Checkpoint checkpoint;
+    checkpoint.config = config;
+    checkpoint.state.version = 12;
+    const std::size_t count = ParameterCount(ShapeOf(config));
+    checkpoint.state.parameters.assign(count, 0.25F);
+    checkpoint.state.adam_m.assign(count, 0.0F);
+    checkpoint.state.adam_v.assign(count, 0.0F);
+    CheckpointStore(Folder() + "/checkpoints", 5).Save(checkpoint);
+  }
+
+  [[nodiscard]] std::string Folder() const { return runs_ + "/demo"; }
+  [[nodiscard]] std::string File() const { return Folder() + "/checkpoints/000012.ckpt"; }
+
+  void WriteConfig(const std::string& text) const {
+    std::ofstream(ConfigPathOf(Folder()), std::ios::trunc | std::ios::binary) << text;
+  }
+
+  RunOptions Resume() {
+    const auto parsed = Parse({"run", "--run", "demo", "--runs-dir", runs_, "--resume"});
+    if (std::holds_alternative<int>(parsed)) {
+      ADD_FAILURE() << err_;
+      return {};
+    }
+    return std::get<RunOptions>(std::get<LearnerCommand>(parsed));
+  }
+
+  /// Of a new run of three heads that begins with the checkpoint.
+  std::variant<int, LearnerCommand> ParseFrom(std::vector<std::string> more) {
+    more.insert(more.begin(), {"run", "--run", "new", "--runs-dir", runs_, "--task", "assembly",
+                               "--set", "policy.hidden=2", "--from", File()});
+    return Parse(more);
+  }
+
+  RunConfig config_;
+};
+
+TEST_F(CheckpointOptionsTest, AConfigurationThatIsLostOrTornIsTheCheckpoints) {
+  const std::string whole = PrintConfig(config_);
+  EXPECT_TRUE(Resume().warnings.empty());
+  for (std::size_t size = 0; size < whole.size(); size += 7) {
+    WriteConfig(whole.substr(0, size));
+    const RunOptions options = Resume();
+    EXPECT_EQ(PrintConfig(options.config), whole) << size;
+    ASSERT_EQ(options.warnings.size(), 1U);
+    EXPECT_NE(options.warnings[0].find("is not whole: it is made anew from " + Folder()),
+              std::string::npos);
+  }
+  WriteConfig(std::string(whole.size(), '\0'));
+  EXPECT_EQ(Resume().config.total_steps(), 4000U);
+  fs::remove(ConfigPathOf(Folder()));
+  EXPECT_EQ(PrintConfig(Resume().config), whole);
+}
+
+TEST_F(CheckpointOptionsTest, AConfigurationThatIsLostBesideDamagedCheckpointsIsRefused) {
+  WriteConfig("");
+  std::ofstream(File(), std::ios::trunc) << "no checkpoint";
+  ExpectUsageError(ParseRun({"--resume"}), "is not whole, and no checkpoint in");
+  fs::remove(File());
+  fs::remove(Folder() + "/checkpoints/latest");
+  ExpectUsageError(ParseRun({"--resume"}),
+                   "is not whole, and the run has no checkpoint: begin anew");
+  fs::remove(ConfigPathOf(Folder()));
+  ExpectUsageError(ParseRun({"--resume"}), "is missing, and the run has no checkpoint: begin anew");
+}
+
+TEST_F(CheckpointOptionsTest, AWholeConfigurationThatCannotBeReadIsNamedWithTheWayOut) {
+  WriteConfig("polisy { heads: 3 }\n" + PrintConfig(config_));
+  ExpectUsageError(ParseRun({"--resume"}), "config.textproto:1:1: unknown setting");
+  EXPECT_NE(err_.find("without the file, --resume takes"), std::string::npos) << err_;
+}
+
+TEST_F(CheckpointOptionsTest, ANewRunMayBeginWithTheWeightsOfAnother) {
+  const auto parsed = ParseFrom({"--heads", "3", "--horizon", "50", "--goal", "hidden"});
+  ASSERT_TRUE(std::holds_alternative<LearnerCommand>(parsed)) << err_;
+  const auto options = std::get<RunOptions>(std::get<LearnerCommand>(parsed));
+  EXPECT_EQ(options.config.policy().initial_weights(), File());
+  const auto differences = DifferencesFrom(LoadInitialWeights(options.config), options.config);
+  const std::string text = ::testing::PrintToString(differences.intended);
+  for (const std::string line :
+       {"environment.task: trained with push, this run has assembly",
+        "environment.horizon: trained with 500, this run has 50",
+        "environment.goal_visible: trained with true, this run has false", "engine: "}) {
+    EXPECT_NE(text.find(line), std::string::npos) << text;
+  }
+  EXPECT_EQ(differences.intended.size(), 4U) << text;
+  EXPECT_TRUE(differences.doubtful.empty());
+}
+
+TEST_F(CheckpointOptionsTest, AnotherMeaningOfTheHeadsIsDoubtful) {
+  RunConfig config = config_;
+  config.mutable_policy()->set_initial_weights(File());
+  config.mutable_policy()->set_schedule(SCHEDULE_INTERLEAVED);
+  const auto differences = DifferencesFrom(LoadInitialWeights(config), config);
+  EXPECT_EQ(differences.doubtful,
+            (std::vector<std::string>{"policy.schedule: trained with blocks, this run has "
+                                      "interleaved"}));
+}
+
+TEST_F(CheckpointOptionsTest, WeightsOfAnotherNetworkAreRefusedByName) {
+  ExpectUsageError(ParseFrom({"--heads", "4"}), "its policy.heads is 3, this run's is 4");
+  ExpectUsageError(ParseFrom({"--method", "ppo"}),
+                   "its policy.method is multihead, this run's is ppo");
+  ExpectUsageError(ParseFrom({"--heads", "3", "--set", "policy.hidden=2,2"}),
+                   "its policy.hidden is 2, this run's is 2,2");
+  ExpectUsageError(ParseFrom({"--heads", "3", "--set", "policy.critic_heads=shared"}),
+                   "its policy.critic_heads is separate, this run's is shared");
+  EXPECT_FALSE(fs::exists(runs_ + "/new"));
+}
+
+TEST_F(CheckpointOptionsTest, WeightsThatCannotBeReadAreNamed) {
+  ExpectUsageError(Parse({"run", "--run", "new", "--runs-dir", runs_, "--task", "push", "--from",
+                          "/no/such.ckpt"}),
+                   "--from: cannot read checkpoint /no/such.ckpt");
+  std::ofstream(File(), std::ios::trunc) << "no checkpoint";
+  ExpectUsageError(ParseFrom({"--heads", "3"}), "000012.ckpt: not a Metronome checkpoint");
+}
+
+TEST_F(CheckpointOptionsTest, TheSameCommandGoesOnAndOtherWeightsAreRefused) {
+  RunConfig config = config_;
+  config.mutable_policy()->set_initial_weights("/gone/since.ckpt");
+  MakeRun(config);
+  EXPECT_TRUE(Run({"--resume", "--from", "/gone/../gone/since.ckpt"}).resume);
+  ExpectUsageError(ParseRun({"--resume", "--from", "/other.ckpt"}),
+                   "policy.initial_weights: the run has /gone/since.ckpt, asked for /other.ckpt");
+  MakeRun(config_);
+  ExpectUsageError(ParseRun({"--resume", "--from", "/other.ckpt"}),
+                   "policy.initial_weights: the run has none, asked for /other.ckpt");
+}
+
 TEST_F(OptionsTest, InspectTakesAFileAndAStyle) {
   const auto parsed = Parse({"inspect", "a.ckpt", "--json"});
   ASSERT_TRUE(std::holds_alternative<LearnerCommand>(parsed)) << err_;
@@ -317,6 +458,18 @@ TEST(InspectTest, TextNamesTheSame) {
   EXPECT_NE(out.str().find("version           12\n"), std::string::npos) << out.str();
   EXPECT_NE(out.str().find("task              push\n"), std::string::npos);
   EXPECT_NE(out.str().find("critic_parameters 86\n"), std::string::npos);
+  EXPECT_EQ(out.str().find("initial_weights"), std::string::npos);
+}
+
+TEST(InspectTest, WeightsThatARunBeganWithAreNamedWhateverTheirPathIs) {
+  Checkpoint checkpoint = TwoHeads();
+  checkpoint.config.mutable_policy()->set_initial_weights("/runs/\xff.ckpt");
+  checkpoint.initial_weights_sha256 = "00ff";
+  std::ostringstream json, text;
+  PrintCheckpointJson(checkpoint, json);
+  EXPECT_EQ(nlohmann::json::parse(json.str()).at("initial_weights_sha256"), "00ff");
+  PrintCheckpoint(checkpoint, text);
+  EXPECT_NE(text.str().find("\ninitial_weights_sha256 00ff\n"), std::string::npos) << text.str();
 }
 
 TEST_F(OptionsTest, StatusShowsARunOfAnyName) {

@@ -34,6 +34,12 @@ TEST_F(RunFolderTest, ALostOrDamagedCounterGoesOnFromTheCheckpoint) {
   EXPECT_EQ(folder.NextIncarnation(4), 5U);
   std::filesystem::remove(folder.File("incarnation"));
   EXPECT_EQ(folder.NextIncarnation(4), 5U);
+  std::ofstream(folder.File("incarnation"), std::ios::trunc);
+  EXPECT_EQ(folder.NextIncarnation(4), 5U);
+  std::filesystem::remove(folder.File("incarnation"));
+  std::filesystem::create_directory(folder.File("incarnation"));
+  EXPECT_EQ(folder.NextIncarnation(4), 5U);
+  EXPECT_EQ(folder.NextIncarnation(4), 6U);
 }
 
 TEST_F(RunFolderTest, ASecondLearnerIsRefusedNamingTheFirstUntilThatEnds) {
@@ -78,6 +84,12 @@ TEST_F(RunFolderTest, ExcludedHostsAreReadAsTheyWereWritten) {
   SaveExcludedHosts(hosts, path);
   EXPECT_EQ(LoadExcludedHosts(path), hosts);
   EXPECT_NO_THROW(SaveExcludedHosts({{"\xff", "no text"}}, path));
+}
+
+TEST_F(RunFolderTest, ExcludedHostsMayBeSavedWithAByteOrderMark) {
+  const std::string path = ExcludedHostsPathOf(root_);
+  std::ofstream(path) << "\xef\xbb\xbf{\"a\": \"reason\"}\r\n";
+  EXPECT_EQ(LoadExcludedHosts(path), (ExcludedHosts{{"a", "reason"}}));
 }
 
 TEST_F(RunFolderTest, AnExclusionFileOfAnotherFormIsNamedWithTheRemedy) {
