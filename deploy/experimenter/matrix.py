@@ -190,9 +190,9 @@ def _check_tables(data):
 
 def load(path):
     """Reads an experiment file. @throws MatrixError naming the key that is wrong, OSError."""
-    with open(path, "rb") as file:
+    with open(path, encoding="utf-8-sig") as file:  # some editors begin a file by a byte-order mark
         try:
-            data = tomllib.load(file)
+            data = tomllib.loads(file.read())
         except tomllib.TOMLDecodeError as error:
             raise MatrixError(str(error)) from None
         except UnicodeDecodeError as error:
