@@ -9,6 +9,7 @@ import collections
 import io
 import os
 import select
+import signal
 import socket
 import stat
 import sys
@@ -39,7 +40,9 @@ codecs.register_error("as-it-is", _as_it_is)
 
 def prepare():
     """To be called first in a program. Streams that are closed lead nowhere from now on, so that no file
-    that is opened later takes their place; any text can be written to the others."""
+    that is opened later takes their place; any text can be written to the others. How children end can be
+    seen, which is not so where our parent ignores that (SIGCHLD)."""
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     for fd in range(3):
         try:
             os.fstat(fd)

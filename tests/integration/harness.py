@@ -201,6 +201,7 @@ class Stage:
         self.domain, self._claim = _claim_domain(f"{os.getpid()} {name}")
         self.runs = folder / "runs"
         self.processes = []
+        self.callbacks = []  # called by close() for what else a test leaves
 
     def start(self, *command, host=None):
         """@param host  of namespaces.py, to run there; None: this machine."""
@@ -259,6 +260,8 @@ class Stage:
         return inspect.json()
 
     def close(self):
+        for callback in self.callbacks:
+            callback()
         for process in self.processes:
             if process.child.poll() is None:
                 process.kill()
