@@ -169,6 +169,8 @@ def _places(options):
     if count < len(cores):  # of a CPU quota; others who share the machine choose as we do
         cores = sorted(random.sample(cores, count))
     jobs = options.jobs or count
+    if jobs > count:
+        print(f"deploy/experiment: {jobs} runs at once share {count} cores: none has one to itself", file=sys.stderr)
     share = max(1, count // jobs)
     return [([cores[(i * share + k) % count] for k in range(share)], options.domain + i)
             for i in range(jobs)]

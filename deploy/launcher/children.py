@@ -17,7 +17,7 @@ STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 def _sent_when_we_die(number, by_default=()):
     """For preexec_fn: the kernel sends the child `number` when this process ends, however it does.
     It watches the thread that forked: start children from the main thread only.
-    @param by_default  signals that act on the child even where we were started with them ignored."""
+    @param by_default  signals that act on the child even where they are ignored by us."""
     parent = os.getpid()
 
     def before_exec():
@@ -104,13 +104,15 @@ class Events:
         return stops
 
     def drain(self):
-        """Reads what ended children left in their pipes; wait() tells of stop signals that come meanwhile."""
+        """Reads what ended children left in their pipes; wait() tells of stop signals that come
+        meanwhile."""
         while any(isinstance(key.data, functools.partial) for key, _ in self._selector.select(0)):
             self._take(0)
 
     def stop(self, children, steps):
-        """Sends each signal of `steps`, (signal, seconds to wait after it), to those of `children` that
-        still run, until none does; reads what they say meanwhile. Blocks at most the sum of the seconds."""
+        """Sends each signal of `steps`, (signal, seconds to wait after it), to those of `children`
+        that still run, until none does; reads what they say meanwhile. Blocks at most the sum of
+        the seconds."""
         for number, seconds in steps:
             running = [child for child in children if child.poll() is None]
             for child in running:

@@ -13,13 +13,14 @@ def usable(root="/"):
 
 
 def quota(root="/"):
-    """@return cores that the narrowest of our cgroups, and of those around them, may keep busy; None: any."""
+    """@return how many cores the narrowest of our cgroups, and of those around them, may keep busy;
+    None: any."""
     limits = [limit for folder, top in _cgroups(Path(root)) for limit in _limits(folder, top)]
     return min(limits, default=None)
 
 
 def _cgroups(root):
-    """Folder of each of our cgroups that may limit processors, and of the outermost one to be seen."""
+    """Folder of each of our cgroups that may limit processors, and of the outermost one seen."""
     try:
         ours = [line.split(":", 2) for line in _lines(root / "proc/self/cgroup")]
         mounts = [line.split(" ") for line in _lines(root / "proc/self/mountinfo")]
@@ -32,7 +33,7 @@ def _cgroups(root):
         inside, top = _unescaped(mount[3]), root / _unescaped(mount[4]).lstrip("/")
         for number, controllers, path in ours:
             if (number == "0") if kind == "cgroup2" else ("cpu" in controllers.split(",")):
-                # A container may see its own cgroup as the outermost one, and its path from outside.
+                # A container may see its own cgroup as the outermost one, by its path outside.
                 below = os.path.relpath(path, inside)
                 yield (top if below.startswith("..") else top / below), top
 
@@ -61,7 +62,8 @@ def _limit(folder):
         if (folder / "cpu.max").exists():
             budget, period = (folder / "cpu.max").read_text().split()
         else:
-            budget, period = ((folder / f"cpu.cfs_{name}_us").read_text() for name in ("quota", "period"))
+            budget = (folder / "cpu.cfs_quota_us").read_text()
+            period = (folder / "cpu.cfs_period_us").read_text()
         limit = int(budget) / int(period)
     except (OSError, ValueError, ZeroDivisionError):  # "max", or nothing to be read
         return None

@@ -216,7 +216,8 @@ def _fresh_name(options):
 
 def _require_places(parser, options):
     """Makes paths absolute. What is to be a folder can be one, what is to be used is there."""
-    for name, find in (("runs", folders.usable), ("security", folders.usable), ("build", folders.absolute)):
+    finds = {"runs": folders.usable, "security": folders.usable, "build": folders.absolute}
+    for name, find in finds.items():
         try:
             path = getattr(options, name)
             setattr(options, name, path and find(path))
@@ -328,22 +329,15 @@ def actor_command(options, index, started):
         options.run,
         "--envs",
         str(options.envs),
-        *_joining(options, started),
     ]
-    # Of a run gone on with the learner knows it.
-    security = options.security or (started.get("security") and Path(started["security"]).parent)
-    return command + (["--security", str(security / f"actor-{index}")] if security else [])
-
-
-def _joining(options, started):
-    """Where an actor finds the learner."""
-    words = []
     for name in ("domain", "transport", "network", "discovery-server"):
         field = name.replace("-", "_")
         value = started.get(field, getattr(options, field))
         if value not in (None, ""):
-            words += [f"--{name}", str(value)]
-    return words
+            command += [f"--{name}", str(value)]
+    # Of a run gone on with the learner knows it.
+    security = options.security or (started.get("security") and Path(started["security"]).parent)
+    return command + (["--security", str(security / f"actor-{index}")] if security else [])
 
 
 def resume_command(options):

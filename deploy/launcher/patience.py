@@ -6,7 +6,7 @@ AFTER = (10.0, 60.0)  # seconds
 
 
 class Patience:
-    """Begins when it is made, and runs out after each of AFTER, unless what is waited for comes before."""
+    """Begins when it is made, and runs out after each of AFTER unless what is waited for comes."""
 
     def __init__(self):
         self._begin, self._after = time.monotonic(), list(AFTER)

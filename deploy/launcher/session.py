@@ -80,7 +80,8 @@ class Session:
             traceback.print_exc()
             print("deploy/train: stopped by the fault above, which is its own", file=sys.stderr)
             if self._started:
-                print(f"  go on       {command_line.resume_command(self._options)}", file=sys.stderr)
+                again = command_line.resume_command(self._options)
+                print(f"  go on       {again}", file=sys.stderr)
             return 1
         finally:
             self._stop_all()
@@ -191,10 +192,11 @@ class Session:
             self._show_early()
             return
         folder = shown(self._options.folder / "logs")
-        actors = f"{folder}/actor-*.log" if self._actors else "what the actors say on their machines"
+        actors = f"{folder}/actor-*.log" if self._actors else "what the actors say elsewhere"
         self._view.note(
-            f"no actor has joined after {waited:.0f} s: see {folder}/learner.log and {actors}. Causes are a --run, "
-            "--domain, --transport, --network or engine other than the learner's, and firewalls (deploy/README.md)"
+            f"no actor has joined after {waited:.0f} s: see {folder}/learner.log and {actors}. Causes "
+            "are a --run, --domain, --transport, --network or engine other than the learner's, "
+            "and firewalls (deploy/README.md)"
         )
         for actor in self._actors[:1]:
             self._view.note(f"the last lines of {shown(actor.log)}:\n{logs.tail(actor.log, 3)}")

@@ -1,7 +1,7 @@
 """Standard output and standard error of programs whose work matters more than being read.
 
-A terminal may be paused, a pipe or a disk full, a reader gone, a stream closed. None of that may hold up
-or end the work that is told of."""
+A terminal may be paused, a pipe or a disk full, a reader gone, a stream closed. None of that may
+hold up or end the work that is told of."""
 
 import atexit
 import codecs
@@ -20,7 +20,7 @@ LAST_WORDS = 3.0  # seconds that they are given at the end
 
 
 def _as_it_is(error):
-    """For what the encoding lacks: names of files that are not UTF-8 as they are on disk, else escapes."""
+    """For what the encoding lacks: names that are not UTF-8 as they are on disk, else escapes."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     text = error.object[error.start : error.end]
@@ -39,15 +39,15 @@ codecs.register_error("as-it-is", _as_it_is)
 
 
 def prepare():
-    """To be called first in a program. Streams that are closed lead nowhere from now on, so that no file
-    that is opened later takes their place; any text can be written to the others. How children end can be
-    seen, which is not so where our parent ignores that (SIGCHLD)."""
+    """To be called first in a program. Streams that are closed lead nowhere from now on, so that no
+    file that is opened later takes their place; any text can be written to the others. How children
+    end can be seen, which is not so where our parent ignores that (SIGCHLD)."""
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     for fd in range(3):
         try:
             os.fstat(fd)
         except OSError:
-            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # the lowest number that is free
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # the lowest free number
     for name, fd in (("stdout", 1), ("stderr", 2)):
         if getattr(sys, name) is None:
             setattr(sys, name, open(fd, "w", closefd=False))
@@ -55,8 +55,8 @@ def prepare():
 
 
 def never_block():
-    """From now on what is written to sys.stdout and sys.stderr is shown as far as that is possible at once;
-    the rest waits, and at the end of the program LAST_WORDS seconds more. Writing never fails.
+    """From now on what is written to sys.stdout and sys.stderr is shown as far as that is possible
+    at once; the rest waits, at the end of the program LAST_WORDS seconds more. Writing never fails.
     @return the Outlets, for children.Events.relieve."""
     outlets = []
     for name in ("stdout", "stderr"):
@@ -154,24 +154,24 @@ def _opened(fd):
         peer = socket.socket(fileno=os.dup(fd))
         return peer.fileno(), lambda data: peer.send(data, socket.MSG_DONTWAIT)
     if stat.S_ISFIFO(kind) or os.isatty(fd):
-        # O_NONBLOCK is of an opening of the file, and that of `fd` is shared with others, the shell say.
+        # O_NONBLOCK belongs to one opening of a file; that of `fd` is shared, with the shell say.
         try:
             own = os.open(f"/proc/self/fd/{fd}", os.O_WRONLY | os.O_NONBLOCK | os.O_NOCTTY)
             return own, lambda data: os.write(own, data)
         except OSError:  # a terminal of another user, say
-            return _asked_first(os.dup(fd), select.PIPE_BUF if stat.S_ISFIFO(kind) else 1)
+            return _asked_first(fd, select.PIPE_BUF if stat.S_ISFIFO(kind) else 1)
     own = os.dup(fd)
     return own, lambda data: os.write(own, data)
 
 
 def _asked_first(fd, most):
     """@param most  bytes for which there is room when the kernel says that there is any."""
-    poll = select.poll()
-    poll.register(fd, select.POLLOUT)
+    own, poll = os.dup(fd), select.poll()
+    poll.register(own, select.POLLOUT)
 
     def send(data):
         if not poll.poll(0):
             raise BlockingIOError
-        return os.write(fd, data[:most])
+        return os.write(own, data[:most])
 
-    return fd, send
+    return own, send

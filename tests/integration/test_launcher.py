@@ -117,7 +117,7 @@ def test_usage_errors_exit_2_and_leave_nothing(stage, options):
     assert not (stage.runs / "run").exists()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_stopping_leaves_a_checkpoint_and_no_orphans_and_resume_goes_on(stage, number):
     launcher = train(stage, "--run", "run", small=LONG)
     launcher.expect_text("update    1/")

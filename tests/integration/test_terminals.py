@@ -26,8 +26,8 @@ TRAIN = ROOT / "deploy" / "train"
 
 def words(stage, *options, small=SMALL, run="run", build=BUILD):
     """A command line of deploy/train."""
-    line = [TRAIN, *small[1:], "--build", Path(build).absolute(), "--runs", stage.runs, "--run", run, "--domain", stage.domain,
-            "--actors", 1, *options]
+    line = [TRAIN, *small[1:], "--build", Path(build).absolute(), "--runs", stage.runs, "--run", run,
+            "--domain", stage.domain, "--actors", 1, *options]
     return [str(word) for word in line]
 
 
