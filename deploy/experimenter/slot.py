@@ -11,6 +11,8 @@ from folders import shown
 
 # Longer than deploy/train takes to stop a learner that hangs.
 TRAIN_STOP = ((signal.SIGINT, 120.0), (signal.SIGKILL, 10.0))
+# What deploy/train says of a run that does not get under way.
+TROUBLE = (b"no actor has joined", b"the learner does not serve")
 EVALUATE_STOP = ((signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
 
 
@@ -87,6 +89,8 @@ class Slot:
         if line.startswith(b"update ") and not self._under_way:
             self._under_way = True
             self._note(f"{self.cell.name}: under way")
+        elif line.startswith(TROUBLE):
+            self._note(f"{self.cell.name}: {line.decode(errors='surrogateescape')}")
 
     def _train_command(self, cell, files):
         settings, cores = self._settings, self._cores

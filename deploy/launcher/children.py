@@ -77,6 +77,7 @@ class Events:
         for number in STOP_SIGNALS:
             _handle(number, lambda *_: None)
         signal.signal(signal.SIGCHLD, lambda *_: None)  # ignored, it would hide how children ended
+        signal.signal(signal.SIGTTOU, signal.SIG_IGN)  # what a terminal stops its writers by (tostop)
         self._selector.register(self._read, selectors.EVENT_READ, self._take_signals)
 
     def watch(self, stream, on_line):

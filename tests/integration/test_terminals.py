@@ -133,6 +133,26 @@ def test_ctrl_c_is_served_while_nobody_reads(stage, unread):
     assert stage.latest("run").exists()
 
 
+# Runs its arguments in the background of a terminal, the first one, that stops whoever writes to it from there.
+BEHIND = """
+import os, subprocess, sys, termios
+fd = os.open(sys.argv[1], os.O_RDWR)
+mode = termios.tcgetattr(fd)
+mode[3] |= termios.TOSTOP
+termios.tcsetattr(fd, termios.TCSANOW, mode)
+sys.exit(subprocess.run(sys.argv[2:], stdout=fd, stderr=fd, process_group=0).returncode)
+"""
+
+
+def test_a_terminal_that_stops_background_writers_stops_no_run(stage):
+    master, slave = pty.openpty()
+    launcher = stage.start("/usr/bin/python3", "-c", BEHIND, os.ttyname(slave), *words(stage))
+    assert launcher.wait(60) == 0, launcher
+    assert version(stage) == UPDATES
+    os.close(slave)
+    os.close(master)
+
+
 def test_an_experiment_goes_on_unread_and_unstoppable_by_what_was_ignored(stage, unread, tmp_path):
     file = tmp_path / "e.toml"
     engine = "3.3.0" if BUILD.name.endswith("3.3.0") else "2.2.2"
