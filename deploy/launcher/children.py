@@ -12,16 +12,16 @@ import time
 _LIBC = ctypes.CDLL(None, use_errno=True)
 _PR_SET_PDEATHSIG = 1
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+WE_STOP_BY = (signal.SIGINT, signal.SIGTERM)  # SIGHUP stays ignored in a child if it is here (nohup)
 
 
-def _sent_when_we_die(number, by_default=()):
+def _sent_when_we_die(number, obeys=()):
     """For preexec_fn: the kernel sends the child `number` when this process ends, however it does.
-    It watches the thread that forked: start children from the main thread only.
-    @param by_default  signals that act on the child even where they are ignored by us."""
+    It watches the thread that forked: start children from the main thread only."""
     parent = os.getpid()
 
     def before_exec():
-        for each in by_default:
+        for each in obeys:
             signal.signal(each, signal.SIG_DFL)
         _LIBC.prctl(_PR_SET_PDEATHSIG, number)
         if os.getppid() != parent:
@@ -30,15 +30,16 @@ def _sent_when_we_die(number, by_default=()):
     return before_exec
 
 
-def start(command, at_our_death=signal.SIGKILL, **streams):
+def start(command, at_our_death=signal.SIGKILL, obeys=WE_STOP_BY, **streams):
     """Starts `command` in a session of its own, so that a terminal's Ctrl-C reaches only us and we
-    decide the order of stopping. SIGINT and SIGTERM stop it, for that is how we do; SIGHUP stays
-    ignored where it was for us (nohup)."""
+    decide the order of stopping.
+    @param at_our_death  the signal that it gets when we are killed.
+    @param obeys  signals that act on it even where they are ignored by us."""
     return subprocess.Popen(
         command,
         stdin=subprocess.DEVNULL,
         start_new_session=True,
-        preexec_fn=_sent_when_we_die(at_our_death, (signal.SIGINT, signal.SIGTERM)),
+        preexec_fn=_sent_when_we_die(at_our_death, obeys),
         **streams
     )
 

@@ -71,6 +71,7 @@ class Process:
         self._on_line = on_line or (lambda line: None)
         self.child = children.start(
             self.command,
+            obeys=children.STOP_SIGNALS,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

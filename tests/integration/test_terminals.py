@@ -114,7 +114,7 @@ def unread(request):
 
 def start_unread(stage, fd, command):
     """The test's end kills it, as it does stage's processes."""
-    child = children.start([str(word) for word in command], stdout=fd, stderr=fd)
+    child = children.start([str(word) for word in command], obeys=children.STOP_SIGNALS, stdout=fd, stderr=fd)
     stage.callbacks.append(child.kill)
     return child
 
