@@ -2,6 +2,7 @@
 
 import argparse
 import csv
+import io
 import json
 import os
 import subprocess
@@ -9,6 +10,11 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "deploy" / "launcher"))
+
+import folders  # noqa: E402
+import terminal  # noqa: E402
+
 COLUMNS = ("order", "success", "success_end", "return", "time_to_success",
            "episodes", "seed", "engine", "weights_sha256")
 
@@ -46,7 +52,8 @@ def orders(heads):
 
 def said_by(*command):
     """@return the JSON object that the program prints."""
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True,
+                          errors="surrogateescape")
     if done.returncode != 0:
         raise Refused(done.stderr.strip() or f"{command[0]} ended with {done.returncode}")
     return json.loads(done.stdout)
@@ -88,21 +95,28 @@ def exchange(checkpoint, options):
 
 
 def add_row(path, row):
-    is_new = not path.exists()
-    with open(path, "a", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        if is_new:
-            writer.writeheader()
-        writer.writerow(row)
+    """Whole or not at all."""
+    text = io.StringIO(newline="")
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    if path.exists():
+        text.write(path.read_text(encoding="utf-8"))
+    else:
+        writer.writeheader()
+    writer.writerow(row)
+    partial = path.with_name(path.name + ".tmp")
+    partial.write_text(text.getvalue(), encoding="utf-8")
+    os.replace(partial, path)
 
 
 def main():
+    terminal.prepare()
     options = parse_arguments()
+    terminal.never_block()  # its work is the files
     program = options.build / "bin" / "metronome-actor"
     try:
         if not os.access(program, os.X_OK):
             raise Refused(f"there is no {program}: run deploy/setup, or name another --build")
-        options.out.mkdir(parents=True, exist_ok=True)
+        folders.usable(options.out).mkdir(parents=True, exist_ok=True)
         for checkpoint in options.checkpoints:
             exchange(checkpoint, options)
     except (Refused, OSError) as error:

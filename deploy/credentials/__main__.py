@@ -2,12 +2,16 @@
 
 import argparse
 import datetime
-import os
 import sys
 from pathlib import Path
 
-import roles
-from authority import FOLDER, Authority, Refused
+sys.path.insert(1, str(Path(__file__).resolve().parents[1] / "launcher"))
+
+import cores  # noqa: E402
+import folders  # noqa: E402
+import roles  # noqa: E402
+import terminal  # noqa: E402
+from authority import FOLDER, Authority, Refused  # noqa: E402
 
 
 def _name(text):
@@ -93,12 +97,15 @@ def _wanted(options, there):
     if options.actors is not None:
         actors = [f"actor-{i}" for i in range(options.actors)]
     elif not there and not actors:
-        actors = [f"actor-{i}" for i in range(len(os.sched_getaffinity(0)))]
+        actors = [f"actor-{i}" for i in range(cores.usable())]
     return list(dict.fromkeys(["learner", "observer", *there, *actors]))
 
 
 def main():
+    terminal.prepare()
     options = _parser().parse_args()
+    terminal.never_block()  # its work is the files
+    folders.usable(options.folder)
     authority = _authority(options)
     there = authority.names()
     now, days = datetime.datetime.utcnow(), datetime.timedelta(days=options.days)

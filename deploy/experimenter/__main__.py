@@ -1,8 +1,10 @@
 """deploy/experiment: makes the runs that an experiment file asks for and puts them into results/."""
 
 import argparse
+import errno
 import fnmatch
 import os
+import random
 import shutil
 import sys
 import time
@@ -13,13 +15,18 @@ sys.path.insert(0, str(ROOT / "deploy" / "launcher"))
 
 import builds  # noqa: E402
 import children  # noqa: E402
+import cores as machine  # noqa: E402
+import folders  # noqa: E402
 import matrix  # noqa: E402
+import terminal  # noqa: E402
 import view  # noqa: E402
 from cell_files import CellFiles  # noqa: E402
-from progress import shown  # noqa: E402
+from folders import shown  # noqa: E402
 from settings import SettingsError, make_settings  # noqa: E402
-from slot import CellFailed, Slot  # noqa: E402
+from slot import CellFailed, Slot, stop_all  # noqa: E402
 
+# Troubles that somebody, or time, may end.
+PASSING = (errno.ENOSPC, errno.EDQUOT, errno.EAGAIN, errno.ENOMEM, errno.EMFILE, errno.ENFILE)
 TICK = 5.0  # seconds between looks for new milestones; children that end are noticed at once
 
 
@@ -48,7 +55,12 @@ def _parse(arguments):
     parser.add_argument("--build", type=Path, metavar="DIR",
                         help="use the programs in DIR/bin as they are, without set-up")
     options = parser.parse_args(arguments)
-    options.runs, options.results = options.runs.absolute(), options.results.absolute()
+    for name, find in (("runs", folders.usable), ("results", folders.usable), ("build", folders.absolute)):
+        try:
+            path = getattr(options, name)
+            setattr(options, name, path and find(path))
+        except OSError as error:
+            parser.error(f"--{name}: {error}")
     if options.jobs < 0:
         parser.error("--jobs must be at least 1")
     return options
@@ -84,13 +96,16 @@ def _list(cells, files):
 
 
 class Runner:
-    def __init__(self, cells, files, places, settings):
-        """@param places  (cores, DDS domain) of each run that is made at once."""
+    def __init__(self, cells, files, places, settings, outlets):
+        """@param places  (cores, DDS domain) of each run that is made at once.
+        @param outlets  terminal.Outlets to write to while there is nothing else to do."""
         self._todo = [cell for cell in cells if files[cell].done() is None]
         self._files, self._events = files, children.Events()
+        self._events.relieve(outlets)
         self._view = view.View(cells, files)
         self._slots = [Slot(*place, settings, self._events, self._view.note) for place in places]
         self._failed = []
+        self._troubles = {}  # slot to what it waits for the end of
 
     def run(self):
         """@return exit code."""
@@ -111,23 +126,37 @@ class Runner:
 
     def _advance(self, slot):
         try:
+            self._go_on(slot)
+            self._troubles.pop(slot, None)
+        except OSError as error:
+            if error.errno not in PASSING:
+                raise
+            if self._troubles.get(slot) != str(error):
+                self._view.note(f"waiting until this is over: {error}")
+            self._troubles[slot] = str(error)
+
+    def _go_on(self, slot):
+        """Whatever raises an OSError here can be tried again."""
+        try:
             if slot.advance():
                 self._view.done()
         except CellFailed as failure:
             self._failed.append(str(failure))
             self._view.note(f"failed: {failure}")
         if slot.free and self._todo:
-            cell = self._todo.pop(0)
-            slot.start(cell, self._files[cell])
+            slot.start(self._todo[0], self._files[self._todo[0]])
+            del self._todo[0]
 
     def _stop(self):
-        for slot in self._slots:
-            if not slot.free:
-                files = slot.files
-                slot.stop()
+        under_way = [slot for slot in self._slots if not slot.free]
+        stop_all(under_way, self._events)
+        for slot in under_way:
+            kept = f"{shown(slot.files.result)}/unfinished/"
+            try:
                 problem = slot.carry()
-                self._view.note(problem or f"{files.name} goes on from where it stands; kept in "
-                                f"{shown(files.result)}/unfinished/")
+            except OSError as error:
+                problem = f"{slot.files.name}: not kept in {kept}: {error}"
+            self._view.note(problem or f"{slot.files.name} goes on from where it stands; kept in {kept}")
 
     def _end(self):
         if self._failed:
@@ -136,14 +165,19 @@ class Runner:
 
 
 def _places(options):
-    cores = sorted(os.sched_getaffinity(0))
-    jobs = options.jobs or len(cores)
-    share = max(1, len(cores) // jobs)
-    return [([cores[(i * share + k) % len(cores)] for k in range(share)], options.domain + i)
+    cores, count = sorted(os.sched_getaffinity(0)), machine.usable()
+    if count < len(cores):  # of a CPU quota; others who share the machine choose as we do
+        cores = sorted(random.sample(cores, count))
+    jobs = options.jobs or count
+    if jobs > count:
+        print(f"deploy/experiment: {jobs} runs at once share {count} cores: none has one to itself", file=sys.stderr)
+    share = max(1, count // jobs)
+    return [([cores[(i * share + k) % count] for k in range(share)], options.domain + i)
             for i in range(jobs)]
 
 
 def main():
+    terminal.prepare()
     options = _parse(sys.argv[1:])
     try:
         experiment = matrix.load(options.file)
@@ -151,19 +185,24 @@ def main():
         files = {cell: CellFiles(cell, options.runs, options.results) for cell in cells}
         if options.list:
             _list(cells, files)
+            sys.stdout.flush()
             return 0
-        build = options.build.absolute() if options.build else builds.set_up(experiment.mujoco)
+        outlets = terminal.never_block()
+        build = options.build or builds.set_up(experiment.mujoco)
         settings = make_settings(ROOT, build, experiment, cells)
         for cell in cells:
             _require_same(files[cell], cell, settings)
+        folder = options.results / experiment.name
+        folder.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(options.file, folder / "experiment.toml")
+    except BrokenPipeError:  # whoever reads --list has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
     except (matrix.MatrixError, SettingsError, OSError) as error:
         print(f"deploy/experiment: {options.file}: {error}", file=sys.stderr)
         return 2
-    folder = options.results / experiment.name
-    folder.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(options.file, folder / "experiment.toml")
     begin = time.monotonic()
-    code = Runner(cells, files, _places(options), settings).run()
+    code = Runner(cells, files, _places(options), settings, outlets).run()
     count = sum(files[cell].done() is not None for cell in cells)
     print(f"{experiment.name}: {count} of {len(cells)} runs done, this time in "
           f"{(time.monotonic() - begin) / 60:.0f} minutes; {shown(folder)}/")
@@ -175,6 +214,3 @@ if __name__ == "__main__":
         sys.exit(main())
     except KeyboardInterrupt:  # during set-up: no run has begun
         sys.exit(130)
-    except BrokenPipeError:  # whoever reads --list has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)

@@ -78,8 +78,7 @@ class CellFiles:
 
     def note_revision(self, revision):
         if revision not in self.revisions():
-            with open(self.run / "revisions", "a") as file:
-                file.write(revision + "\n")
+            write_atomically(self.run / "revisions", "".join(f"{each}\n" for each in [*self.revisions(), revision]))
 
     # Milestones' evaluations.
 

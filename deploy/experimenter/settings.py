@@ -47,7 +47,7 @@ class Settings:
 
 
 def _git(root, *words):
-    done = subprocess.run(["git", "-C", str(root), *words], capture_output=True, text=True)
+    done = subprocess.run(["git", "-C", str(root), *words], capture_output=True, text=True, errors="surrogateescape")
     if done.returncode != 0:
         raise SettingsError(f"git {words[0]} failed, and results name their revision: "
                             + done.stderr.strip())
@@ -71,7 +71,7 @@ def _steps_per_update(build, cell):
     learner = str(build / "bin" / "metronome-learner")
     words = cell.train_arguments()
     done = subprocess.run([learner, "config", "--task", words[0], *words[1:]],
-                          capture_output=True, text=True)
+                          capture_output=True, text=True, errors="surrogateescape")
     if done.returncode != 0:
         raise SettingsError(f"{cell.name}: {done.stderr.strip()}")
     numbers = [re.search(rf"^\s*{name}: (\d+)$", done.stdout, re.M)

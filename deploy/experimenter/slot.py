@@ -1,18 +1,30 @@
 """One place where runs are made, one after the other: some cores and a DDS domain of its own."""
 
 import json
+import shlex
 import signal
 import subprocess
 
 import children
-from progress import shown
+import logs
+from folders import shown
 
-TRAIN_STOP = ((signal.SIGINT, 90.0), (signal.SIGKILL, 10.0))
+# Longer than deploy/train takes to stop a learner that hangs.
+TRAIN_STOP = ((signal.SIGINT, 120.0), (signal.SIGKILL, 10.0))
+# What deploy/train says of a run that does not get under way.
+TROUBLE = (b"no actor has joined", b"the learner does not serve")
 EVALUATE_STOP = ((signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
 
 
 class CellFailed(Exception):
     """The cell cannot be made; the message says why and where to look."""
+
+
+def stop_all(slots, events):
+    """Ends all processes of the slots' cells, the runs with a checkpoint."""
+    events.stop([slot.evaluation for slot in slots if slot.evaluation], EVALUATE_STOP)
+    events.stop([slot.training for slot in slots if slot.training], TRAIN_STOP)
+    events.drain()
 
 
 class Slot:
@@ -24,8 +36,9 @@ class Slot:
         self._cores, self._domain, self._settings = cores, domain, settings
         self._events, self._note = events, note
         self.cell, self.files = None, None
-        self._train = self._evaluate = self._log = None
+        self.training = self.evaluation = self._log = None
         self._evaluating = None  # (update, placements)
+        self._evaluated = None  # a row that is not written yet
         self._under_way = False
 
     @property
@@ -33,16 +46,17 @@ class Slot:
         return self.cell is None
 
     def start(self, cell, files):
-        self.cell, self.files = cell, files
+        """@throws OSError having changed nothing."""
         files.fetch()
         files.runs.mkdir(parents=True, exist_ok=True)
-        self._log = open(files.runs / f"{cell.name}.log", "ab")
-        self._train = self._spawn(self._train_command(resume=files.started()), subprocess.PIPE)
-        self._events.watch(self._train.stdout, self._on_train_says)
+        self.training = self._spawn(self._train_command(cell, files), subprocess.PIPE)
+        self._events.watch(self.training.stdout, self._on_train_says)
+        self.cell, self.files = cell, files
+        self._log = logs.Log(self._log_path())
         self._under_way = False
 
     def advance(self):
-        """@return whether the cell got done. @throws CellFailed."""
+        """@return whether the cell got done. @throws CellFailed, or OSError: it may be called again."""
         if self.free:
             return False
         if self.files.started():
@@ -50,48 +64,43 @@ class Slot:
             self.files.note_evaluation(self._settings.evaluation_facts(self.cell))
         self._end_evaluation()
         self._require_milestones(before=max(self.files.checkpoints(), default=0))
-        if self._evaluate is None:
+        if self.evaluation is None:
             self._begin_evaluation()
-        if self._train is not None and self._train.poll() is not None:
+        if self.training is not None and self.training.poll() is not None:
             self._events.drain()
-            code, self._train = self._train.returncode, None
+            code, self.training = self.training.returncode, None
             if code != 0:
                 self._fail(f"deploy/train ended with {code}")
-        if self._train is not None or self._evaluate is not None or self._due():
+        if self.training is not None or self.evaluation is not None or self._due():
             return False
         self._require_milestones(before=self._settings.updates_of(self.cell) + 1)
         self.files.publish(self._facts())
         self._clear()
         return True
 
-    def stop(self):
-        """Ends the cell's processes, the run with a checkpoint."""
-        children.stop([self._evaluate] if self._evaluate else [], EVALUATE_STOP)
-        children.stop([self._train] if self._train else [], TRAIN_STOP)
-        self._events.drain()
-
     def carry(self):
-        """To be called after stop(). @return None, or why the run cannot go on in another checkout."""
+        """To be called after stop_all(). @return None, or why the run cannot go on in another checkout."""
         return self.files.carry({update for update, _ in self._due()})
 
     # Training.
 
     def _on_train_says(self, line):
-        self._log.write(line + b"\n")
-        self._log.flush()
+        self._log.append(line)
         if line.startswith(b"update ") and not self._under_way:
             self._under_way = True
             self._note(f"{self.cell.name}: under way")
+        elif line.startswith(TROUBLE):
+            self._note(f"{self.cell.name}: {line.decode(errors='surrogateescape')}")
 
-    def _train_command(self, resume):
+    def _train_command(self, cell, files):
         settings, cores = self._settings, self._cores
-        command = [str(settings.root / "deploy" / "train"), *self.cell.train_arguments()]
+        command = [str(settings.root / "deploy" / "train"), *cell.train_arguments()]
         command += ["--mujoco", settings.mujoco, "--build", str(settings.build)]
-        command += ["--runs", str(self.files.runs), "--run", self.cell.name]
+        command += ["--runs", str(files.runs), "--run", cell.name]
         command += ["--actors", str(len(cores)), "--domain", str(self._domain)]
         command += ["--set", f"runtime.learner_threads={len(cores)}"]
-        command += ["--set", f"runtime.milestone_every={settings.milestone_every(self.cell)}"]
-        return command + (["--resume"] if resume else [])
+        command += ["--set", f"runtime.milestone_every={settings.milestone_every(cell)}"]
+        return command + (["--resume"] if files.started() else [])
 
     # Evaluation.
 
@@ -113,8 +122,8 @@ class Slot:
                        if (update, placements) not in known})
         if lost:
             self._fail(f"milestones at update {', '.join(map(str, lost))} have neither an evaluation nor a "
-                       f"checkpoint; to make the run anew, remove {shown(self.files.run)}/ and "
-                       f"{shown(self.files.result)}/unfinished/")
+                       f"checkpoint; to make the run anew, remove "
+                       f"{shlex.join([shown(self.files.run), shown(self.files.result / 'unfinished')])}")
 
     def _begin_evaluation(self):
         due = self._due()
@@ -126,21 +135,27 @@ class Slot:
                    "--checkpoint", str(self.files.checkpoints()[update]),
                    "--episodes", str(evaluation.episodes), "--seed", str(evaluation.seed),
                    "--placements", placements, "--threads", str(len(self._cores))]
-        self._evaluate = self._spawn(command, subprocess.PIPE, stderr=self._log)
+        with logs.open_for_child(self._log_path()) as log:
+            self.evaluation = self._spawn(command, subprocess.PIPE, stderr=log)
 
     def _end_evaluation(self):
-        if self._evaluate is None or self._evaluate.poll() is None:
-            return
-        child, self._evaluate = self._evaluate, None
+        if self.evaluation is not None and self.evaluation.poll() is not None:
+            self._take_evaluation()
+        if self._evaluated is not None:
+            self.files.add_evaluation(self._evaluated)
+            self._evaluated = None
+
+    def _take_evaluation(self):
+        child, self.evaluation = self.evaluation, None
         if child.returncode != 0:
             self._fail(f"evaluating update {self._evaluating[0]} ended with {child.returncode}")
         report = json.loads(child.stdout.read())
         time = report["time_to_success"]
-        self.files.add_evaluation({
+        self._evaluated = {
             "steps": report["steps"], "update": self._evaluating[0],
             "placements": self._evaluating[1], "episodes": report["episodes"],
             "success": report["success"], "success_end": report["success_end"],
-            "return": report["return"], "time_to_success": "" if time is None else time})
+            "return": report["return"], "time_to_success": "" if time is None else time}
         self._note(f"{self.cell.name}: success {report['success']:.2f}, return {report['return']:.0f} of "
                    f"the mean action at {report['steps']} steps ({self._evaluating[1]})")
 
@@ -150,7 +165,10 @@ class Slot:
         cell, settings = self.cell, self._settings
         inspect = [str(settings.build / "bin" / "metronome-learner"), "inspect", "--json",
                    str(self.files.run / "checkpoints" / "latest")]
-        held = json.loads(subprocess.run(inspect, check=True, capture_output=True).stdout)
+        done = subprocess.run(inspect, capture_output=True)
+        if done.returncode != 0:
+            self._fail(f"its checkpoint: {done.stderr.decode(errors='surrogateescape').strip()}")
+        held = json.loads(done.stdout)
         revisions = self.files.revisions()
         return {
             "experiment": cell.experiment, "cell": cell.name, "task": cell.task, "arm": cell.arm,
@@ -164,14 +182,17 @@ class Slot:
         }
 
     def _fail(self, why):
-        name, log = self.cell.name, self._log.name
-        self.stop()
+        name, log = self.cell.name, self._log_path()
+        stop_all([self], self._events)
         self._clear()
         raise CellFailed(f"{name}: {why}; see {shown(log)}")
 
+    def _log_path(self):
+        return self.files.runs / f"{self.cell.name}.log"
+
     def _clear(self):
         self._log.close()
-        self.cell = self.files = self._train = self._evaluate = self._log = None
+        self.cell = self.files = self.training = self.evaluation = self._log = self._evaluated = None
 
     def _spawn(self, command, stdout, stderr=subprocess.STDOUT):
         pinned = ["taskset", "--cpu-list", ",".join(map(str, self._cores)), *command]

@@ -6,18 +6,24 @@ import time
 PLAIN_EVERY = 60.0  # seconds between lines
 
 
+def _bar():
+    """None where `rich` is missing: with --build nothing was set up."""
+    try:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn
+    except ImportError:
+        return None
+    return Progress(TextColumn("[bold]{task.fields[count]}"), BarColumn(), TextColumn("{task.percentage:3.0f}%"),
+                    TextColumn("{task.fields[rest]}"), auto_refresh=False, console=Console(file=sys.stdout))
+
+
 class View:
     def __init__(self, cells, files):
         self._cells, self._files = cells, files
         self._begin, self._next = time.monotonic(), 0.0
         self._first = None  # steps of all cells when we began
-        self._bar = self._task = None
-        if sys.stdout.isatty():
-            from rich.progress import BarColumn, Progress, TextColumn
-
-            self._bar = Progress(TextColumn("[bold]{task.fields[count]}"), BarColumn(),
-                                 TextColumn("{task.percentage:3.0f}%"),
-                                 TextColumn("{task.fields[rest]}"), auto_refresh=False)
+        self._bar = _bar() if sys.stdout.isatty() else None
+        if self._bar is not None:
             self._task = self._bar.add_task("", total=None, count="", rest="")
             self._bar.start()
 

@@ -1,12 +1,16 @@
 """See growth.md beside this folder."""
 
 import argparse
+import os
 import re
 import sys
 from pathlib import Path
 
-import measured
-import tables
+sys.path.insert(1, str(Path(__file__).resolve().parents[1] / "launcher"))
+
+import measured  # noqa: E402
+import tables  # noqa: E402
+import terminal  # noqa: E402
 
 PAGE = Path(__file__).resolve().parents[1] / "growth.md"
 
@@ -39,7 +43,10 @@ def put_into_page(made):
 
 
 def main():
+    terminal.prepare()
     arguments = parse_arguments()
+    if arguments.page:
+        terminal.never_block()  # the page has it all
     try:
         costs = measured.read(arguments.task)
     except measured.MissingFigure as missing:
@@ -55,4 +62,10 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except BrokenPipeError:  # whoever reads the tables has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except OSError as error:
+        sys.exit(f"deploy/growth/run: {error}")

@@ -5,17 +5,22 @@ import sys
 import builds
 import identities
 import options as command_line
+import terminal
 from session import Session
 
 
 def main():
+    terminal.prepare()
     options = command_line.parse(sys.argv[1:])
+    outlets = terminal.never_block()
+    warning = command_line.warning(options)
+    if warning:
+        print(f"deploy/train: {warning}", file=sys.stderr)
     if options.build is None:
         options.build = builds.set_up(options.mujoco)
-    options.build = options.build.absolute()
     if options.security is not None:
         identities.make_missing(options)
-    return Session(options).run()
+    return Session(options, outlets).run()
 
 
 if __name__ == "__main__":

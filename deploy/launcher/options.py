@@ -2,11 +2,14 @@
 
 import argparse
 import difflib
-import os
 import re
+import shlex
 import sys
 import time
 from pathlib import Path
+
+import cores
+import folders
 
 ROOT = Path(__file__).resolve().parents[2]
 METHODS = ("multihead", "ppo", "ppo-time")
@@ -79,8 +82,9 @@ def _parser():
         "--actors",
         type=_whole(0),
         metavar="N",
-        default=len(os.sched_getaffinity(0)),
-        help="actor processes on this machine; 0: all elsewhere (default: cores, %(default)s)",
+        default=cores.usable(),
+        help="actor processes on this machine; 0: all elsewhere (default: cores that may be used, "
+        "%(default)s)",
     )
     parser.add_argument(
         "--envs",
@@ -216,6 +220,43 @@ def _fresh_name(options):
     return name
 
 
+def _require_places(parser, options):
+    """Makes paths absolute. What is to be a folder can be one, what is to be used is there."""
+    finds = {"runs": folders.usable, "security": folders.usable, "build": folders.absolute}
+    for name, find in finds.items():
+        try:
+            path = getattr(options, name)
+            setattr(options, name, path and find(path))
+        except OSError as error:
+            parser.error(f"--{name}: {error}")
+    for name in ("learner", *["actor"] * bool(options.actors)):
+        program = options.build and options.build / "bin" / f"metronome-{name}"
+        if program and not program.is_file():
+            parser.error(f"--build: there is no {program}; without --build it is made")
+
+
+def _require_run_folder(parser, options):
+    try:
+        options.folder = folders.usable(options.runs / options.run)
+    except OSError as error:
+        parser.error(f"--run {options.run}: {error}")
+
+
+def warning(options):
+    """@return a line about what is asked for and costs more than it gives; None: nothing is."""
+    count, limit = cores.usable(), cores.quota()
+    threads = re.findall(r"^runtime\.learner_threads=(\d+)$", "\n".join(options.set), re.M)
+    asked = {
+        "episodes at once (--actors times --envs)": options.actors * options.envs,
+        "threads of the learner": int(threads[-1]) if threads else 0,
+    }
+    much = " and ".join(f"{number} {what}" for what, number in asked.items() if number > count)
+    if not much:
+        return None
+    here = f"{count} core{'s' * (count > 1)}" + (f" (CPU quota {limit:g})" if limit else "")
+    return f"{much} on {here}: that is slower than one on each core"
+
+
 def parse(arguments):
     """Options with .run and .folder filled in. Exits 2 on what cannot be right."""
     parser = _parser()
@@ -233,10 +274,9 @@ def parse(arguments):
         parser.error("--new-total is for --resume")
     if options.resume and not options.named:
         parser.error("--resume needs --run NAME: the run to go on with")
-    options.runs = options.runs.absolute()
-    options.security = options.security and options.security.absolute()
+    _require_places(parser, options)
     options.run = options.run or _fresh_name(options)
-    options.folder = options.runs / options.run
+    _require_run_folder(parser, options)
     if options.resume and not is_run(options.folder):
         there = sorted(path.name for path in options.runs.glob("*/") if is_run(path))
         near = difflib.get_close_matches(options.run, there, 1)
@@ -306,11 +346,13 @@ def actor_command(options, index, started):
         value = started.get(field, getattr(options, field))
         if value not in (None, ""):
             command += [f"--{name}", str(value)]
-    if started.get("security"):  # of a run gone on with, too
-        command += ["--security", str(Path(started["security"]).parent / f"actor-{index}")]
-    return command
+    # Of a run gone on with the learner knows it.
+    security = options.security or (started.get("security") and Path(started["security"]).parent)
+    return command + (["--security", str(security / f"actor-{index}")] if security else [])
 
 
-def resume_command():
-    """What a person types to go on, but for --run."""
-    return ["deploy/train", *(word for word in sys.argv[1:] if word != "--resume")]
+def resume_command(options):
+    """What a person types to go on."""
+    words = [word for word in sys.argv[1:] if word != "--resume"]
+    words += [] if options.named else ["--run", options.run]
+    return shlex.join([folders.shown(ROOT / "deploy" / "train"), *words, "--resume"])

@@ -1,16 +1,9 @@
 """What a person sees: a bar on a terminal, now and then a line elsewhere."""
 
-import os
 import sys
 import time
 
 PLAIN_EVERY = 10.0  # seconds between lines
-
-
-def shown(path):
-    """A path as a person would type it: relative, where it lies below."""
-    relative = os.path.relpath(path)
-    return str(path) if relative.startswith("..") else relative
 
 
 def _clock(seconds):
@@ -62,6 +55,7 @@ class BarView:
     """A bar that each update moves. No thread: children must be started from a process without."""
 
     def __init__(self, title):
+        from rich.console import Console
         from rich.progress import BarColumn, Progress, TextColumn
 
         self._progress = Progress(
@@ -70,6 +64,7 @@ class BarView:
             TextColumn("{task.percentage:3.0f}%"),
             TextColumn("{task.fields[columns]}"),
             auto_refresh=False,
+            console=Console(file=sys.stdout),
         )
         self._task = self._progress.add_task(title, total=None, columns="waiting for actors")
         self._progress.start()
@@ -92,4 +87,7 @@ class BarView:
 
 
 def make_view(title):
-    return BarView(title) if sys.stdout.isatty() else PlainView()
+    try:
+        return BarView(title) if sys.stdout.isatty() else PlainView()
+    except ImportError:  # with --build nothing was set up
+        return PlainView()

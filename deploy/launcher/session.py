@@ -8,14 +8,18 @@ import signal
 import subprocess
 import sys
 import time
+import traceback
 
 import children
+import logs
 import options as command_line
 import progress
+from folders import shown
+from patience import Patience
 
 RESTARTS = 5  # of one actor, after which it is given up
-TAIL = 20  # lines of a log shown when its process failed
 SERIOUS = re.compile(rb" (warning|error|critical): ")  # lines of the learner's log shown at once
+JOINED = re.compile(rb" info: actor .* joins with ")  # as learner/collector.cc says it
 COMPLAINTS = 20  # so many of them at most
 # Updates and checkpoints end within seconds; a learner that takes longer than this hangs.
 LEARNER_STOP = ((signal.SIGINT, 60.0), (signal.SIGTERM, 10.0), (signal.SIGKILL, 10.0))
@@ -33,22 +37,33 @@ class Actor:
         self.given_up = False
 
     def start(self, command):
+        """@throws OSError where no process can be started."""
         self.starts += 1
         self.start_at = None
-        with open(self.log, "ab") as log:
+        with logs.open_for_child(self.log) as log:
             self.process = children.start(command, stdout=log, stderr=log)
+
+    def start_later(self):
+        """At once the first time; then in 1, 2, 4, ... seconds, for causes that pass."""
+        self.start_at = time.monotonic() + (
+            0.0 if self.starts == 1 else 2.0 ** (self.starts - 2)
+        )
 
 
 class Session:
     """Not to be reused. run() returns the process's exit code."""
 
-    def __init__(self, options):
+    def __init__(self, options, outlets=()):
+        """@param outlets  terminal.Outlets to write to while there is nothing else to do."""
         self._options = options
         self._view = progress.PlainView()
         self._events = children.Events()
+        self._events.relieve(outlets)
+        self._patience = Patience()
         self._started = None  # the learner's word that it accepted the run
         self._finished = {}  # its last word
         self._early, self._log = [], None
+        self._shown = None  # how many of the early lines a person has seen, once they are shown
         self._complaints = 0
         self._actors = []
         self._stop_signal = None
@@ -58,15 +73,28 @@ class Session:
     def run(self):
         try:
             return self._run()
+        except Exception:  # a fault of ours must not cost the run: it ends with a checkpoint
+            self._events.mute()
+            self._stop_all()
+            self._view.close()
+            traceback.print_exc()
+            print("deploy/train: stopped by the fault above, which is its own", file=sys.stderr)
+            if self._started:
+                again = command_line.resume_command(self._options)
+                print(f"  go on       {again}", file=sys.stderr)
+            return 1
         finally:
-            running = [actor.process for actor in self._actors if actor.process]
-            children.stop(
-                running + [self._learner] * (self._learner is not None), ((signal.SIGKILL, 5.0),)
-            )
+            self._stop_all()
+
+    def _stop_all(self):
+        self._events.stop([self._learner] if self._learner else [], LEARNER_STOP)
+        self._events.stop(self._running(), ACTOR_STOP)
 
     def _run(self):
+        # Killed as we may be, it leaves a checkpoint.
         self._learner = children.start(
             command_line.learner_command(self._options),
+            at_our_death=signal.SIGTERM,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
         )
@@ -75,6 +103,7 @@ class Session:
         stop_deadline, steps = None, list(LEARNER_STOP)
         while self._learner.poll() is None:
             self._tend_actors()
+            self._say_what_is_missing()
             for number in self._events.wait(self._timeout(stop_deadline)):
                 self._stop_signal = self._stop_signal or number
                 # A second Ctrl-C, or Ctrl-C again while it hangs, goes one step further.
@@ -82,6 +111,7 @@ class Session:
             if self._failed and stop_deadline is None:
                 stop_deadline = 0.0
             if stop_deadline is not None and time.monotonic() >= stop_deadline and steps:
+                self._patience.end()
                 number, seconds = steps.pop(0)
                 self._learner.send_signal(number)
                 stop_deadline = time.monotonic() + seconds
@@ -92,15 +122,17 @@ class Session:
 
     def _timeout(self, stop_deadline):
         times = [actor.start_at for actor in self._actors if actor.start_at is not None]
-        times += [] if stop_deadline is None else [stop_deadline]
+        times += [at for at in (stop_deadline, self._patience.ends_at) if at is not None]
         return max(0.0, min(times) - time.monotonic()) if times else None
 
     # What the learner says.
 
     def _on_progress(self, line):
         try:
-            record = json.loads(line)
+            record = json.loads(line.decode(errors="surrogateescape"))
         except ValueError:
+            record = None
+        if not isinstance(record, dict):
             self._on_log(line)
             return
         event = record.get("event")
@@ -109,23 +141,30 @@ class Session:
         elif event in ("finished", "interrupted"):
             self._finished = record
         elif event is None:
+            self._patience.end()
             self._view.update(record)
 
     def _on_started(self, record):
         self._started = record
         self._view = progress.make_view(self._options.task or self._options.run)
-        logs = self._options.folder / "logs"
-        logs.mkdir(parents=True, exist_ok=True)
-        self._log = open(logs / "learner.log", "ab", buffering=0)
-        for line in self._early:
+        folder = self._options.folder / "logs"
+        self._log = logs.Log(folder / "learner.log")
+        seen = self._shown or 0
+        for line in self._early[:seen]:
+            self._log.append(line)
+        for line in self._early[seen:]:
             self._on_log(line)
         # A run that was finished before needs none; they would wait for a learner that has ended.
         count = self._options.actors if record["update"] < record["updates_total"] else 0
-        self._actors = [Actor(i, logs / f"actor-{i}.log") for i in range(count)]
+        self._actors = [Actor(i, folder / f"actor-{i}.log") for i in range(count)]
         self._view.note(
             f"run {self._options.run}: learner and {len(self._actors)} actors; "
-            f"logs in {progress.shown(logs)}/"
+            f"logs in {shown(folder)}/"
         )
+        if count or not self._options.actors:
+            self._patience = Patience()
+        else:
+            self._patience.end()
         if not self._options.actors:
             self._view.note(
                 "no actor here: start them with build/bin/metronome-actor run --run "
@@ -135,19 +174,40 @@ class Session:
     def _on_log(self, line):
         if not self._log:
             self._early.append(line)
+            if self._shown is not None:
+                self._show_early()
             return
-        self._keep(line)
+        self._log.append(line)
+        if JOINED.search(line):
+            self._patience.end()
         if SERIOUS.search(line) and self._complaints < COMPLAINTS:
             self._complaints += 1
-            self._view.note(line.decode(errors="replace"))
+            self._view.note(line.decode(errors="surrogateescape"))
             if self._complaints == COMPLAINTS:
                 self._view.note("further warnings and errors go to the learner's log alone")
 
-    def _keep(self, line):
-        try:
-            self._log.write(line + b"\n")
-        except OSError:  # a full disk costs log lines, never the run
-            pass
+    def _say_what_is_missing(self):
+        waited = self._patience.runs_out()
+        if waited is None:
+            return
+        if self._started is None:
+            self._view.note(f"the learner does not serve the run after {waited:.0f} s; it says:")
+            self._show_early()
+            return
+        folder = shown(self._options.folder / "logs")
+        actors = f"{folder}/actor-*.log" if self._actors else "what the actors say elsewhere"
+        self._view.note(
+            f"no actor has joined after {waited:.0f} s: see {folder}/learner.log and {actors}. Causes "
+            "are a --run, --domain, --transport, --network or engine other than the learner's, "
+            "and firewalls (deploy/README.md)"
+        )
+        for actor in self._actors[:1]:
+            self._view.note(f"the last lines of {shown(actor.log)}:\n{logs.tail(actor.log, 3)}")
+
+    def _show_early(self):
+        for line in self._early[self._shown or 0 :] or [b"(nothing so far)"]:
+            self._view.note("  " + line.decode(errors="surrogateescape"))
+        self._shown = len(self._early)
 
     # Actors.
 
@@ -156,32 +216,38 @@ class Session:
             if actor.process and actor.start_at is None and actor.process.poll() is not None:
                 self._on_actor_end(actor)
             if actor.start_at is not None and time.monotonic() >= actor.start_at:
-                actor.start(command_line.actor_command(self._options, actor.index, self._started))
+                self._start(actor)
         self._failed = bool(self._actors) and all(actor.given_up for actor in self._actors)
+
+    def _start(self, actor):
+        try:
+            actor.start(command_line.actor_command(self._options, actor.index, self._started))
+        except OSError as error:
+            self._on_failure(actor, f"actor {actor.index} could not be started: {error}")
 
     def _on_actor_end(self, actor):
         code, actor.process = actor.process.returncode, None
-        if code == 0 or self._stop_signal or self._finished:
-            return
-        what = f"actor {actor.index} ended with {_ending(code)}"
+        if code != 0 and not self._stop_signal and not self._finished:
+            self._on_failure(actor, f"actor {actor.index} ended with {_ending(code)}")
+
+    def _on_failure(self, actor, what):
         if actor.starts > RESTARTS:
             actor.given_up = True
             self._view.note(
-                f"{what} for the {actor.starts}th time and is given up; {progress.shown(actor.log)}:"
+                f"{what} for the {actor.starts}th time and is given up; {shown(actor.log)}:"
             )
-            self._view.note(_tail(actor.log))
+            self._view.note(logs.tail(actor.log))
             return
-        self._view.note(f"{what}; starting it again ({progress.shown(actor.log)})")
-        # At once the first time; then 1, 2, 4, ... seconds, for causes that pass.
-        actor.start_at = time.monotonic() + (
-            0.0 if actor.starts == 1 else 2.0 ** (actor.starts - 2)
-        )
+        self._view.note(f"{what}; starting it again ({shown(actor.log)})")
+        actor.start_later()
 
     def _end_actors(self):
-        running = [actor.process for actor in self._actors if actor.process]
         if self._done():
-            children.stop(running, ((0, ACTOR_FINISH),))
-        children.stop(running, ACTOR_STOP)
+            self._events.stop(self._running(), ((0, ACTOR_FINISH),))
+        self._events.stop(self._running(), ACTOR_STOP)
+
+    def _running(self):
+        return [actor.process for actor in self._actors if actor.process]
 
     # The end.
 
@@ -193,9 +259,10 @@ class Session:
         # A code of its own says what the learner could not do: leave a checkpoint, say.
         stopped = self._stop_signal and not 0 < code < 128
         if self._started is None and not self._stop_signal:
-            sys.stderr.write(b"\n".join(self._early + [b""]).decode(errors="replace"))
+            for line in self._early[self._shown or 0 :]:
+                print(line.decode(errors="surrogateescape"), file=sys.stderr)
             if not self._early:
-                sys.stderr.write(f"deploy/train: the learner ended with {_ending(code)}\n")
+                print(f"deploy/train: the learner ended with {_ending(code)}", file=sys.stderr)
             return _exit_code(code)
         if self._failed:
             print(
@@ -207,7 +274,7 @@ class Session:
                 f"deploy/train: the learner ended with {_ending(code)}; its last lines:",
                 file=sys.stderr,
             )
-            print(_tail(options.folder / "logs" / "learner.log"), file=sys.stderr)
+            print(logs.tail(options.folder / "logs" / "learner.log"), file=sys.stderr)
         if self._started:
             self._say_results(self._done())
         if stopped and not self._done():
@@ -219,30 +286,20 @@ class Session:
         folder, latest = options.folder, options.folder / "checkpoints" / "latest"
         message = self._finished.get("message", f"run {options.run}")
         print(f"{'finished' if done else 'stopped'}: {message}")
-        print(f"  results     {progress.shown(folder)}/progress.csv")
-        print(f"  curves      tensorboard --logdir {progress.shown(folder)}")
+        print(f"  results     {shown(folder)}/progress.csv")
+        print(f"  curves      {shlex.join(['tensorboard', '--logdir', shown(folder)])}")
         newest = f" -> {os.readlink(latest)}" if latest.is_symlink() else ""
-        print(f"  checkpoint  {progress.shown(latest)}{newest}")
-        actor = progress.shown(options.build / "bin" / "metronome-actor")
-        print(f"  evaluate    {actor} evaluate --checkpoint {progress.shown(latest)}")
+        print(f"  checkpoint  {shown(latest)}{newest}")
+        evaluate = [shown(options.build / "bin" / "metronome-actor"), "evaluate"]
+        print(f"  evaluate    {shlex.join([*evaluate, '--checkpoint', shown(latest)])}")
         if not done:
-            named = [] if options.named else ["--run", options.run]
-            print(
-                f"  go on       {shlex.join(command_line.resume_command() + named + ['--resume'])}"
-            )
-        sys.stdout.flush()
+            print(f"  go on       {command_line.resume_command(options)}")
 
 
 def _ending(code):
-    return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+    names = {number.value: number.name for number in signal.Signals}
+    return f"signal {names.get(-code, -code)}" if code < 0 else f"exit code {code}"
 
 
 def _exit_code(code):
     return code if code >= 0 else 128 - code
-
-
-def _tail(path):
-    with open(path, "rb") as log:
-        log.seek(max(0, os.path.getsize(path) - 65536))
-        lines = log.read().decode(errors="replace").splitlines()
-    return "\n".join("  " + line for line in lines[-TAIL:])

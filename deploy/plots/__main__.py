@@ -11,6 +11,8 @@ import sys
 from pathlib import Path
 
 sys.dont_write_bytecode = True
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(1, str(ROOT / "deploy" / "launcher"))
 
 import cells  # noqa: E402
 import exchange  # noqa: E402
@@ -18,10 +20,11 @@ import policies  # noqa: E402
 import scores  # noqa: E402
 import style  # noqa: E402
 import tables  # noqa: E402
+import terminal  # noqa: E402
 from draw import blocks, controls, efficiency, final, heads, learning  # noqa: E402
+from folders import shown, usable  # noqa: E402
 from names import arms_of, tasks_of  # noqa: E402
 
-ROOT = Path(__file__).resolve().parents[2]
 FIGURES = {
     "main": learning.main, "main-success": learning.main_success, "ablation": learning.ablation,
     "final": final.final, "heads": heads.heads, "controls": controls.controls,
@@ -97,11 +100,6 @@ def draw_policies(wanted, options):
     return captions
 
 
-def shown(path):
-    relative = os.path.relpath(path)
-    return str(path) if relative.startswith("..") else relative
-
-
 def summary(name, found):
     counts = scores.seeds_text(seed_counts(found).values())
     return f"{name}: {len(found)} runs, {len(tasks_of(found))} tasks, {len(arms_of(found))} arms, {counts} seeds each"
@@ -170,7 +168,13 @@ def page_blocks(options, captions, made):
 
 
 def main():
+    terminal.prepare()
     parser, options = parse_arguments()
+    terminal.never_block()  # its work is the files
+    try:
+        usable(options.out)
+    except OSError as error:
+        parser.error(f"--out: {error}")
     if options.page and not options.page.is_file():
         parser.error(f"--page: there is no file {options.page}")
     if options.page and unknown_mark(options.page):

@@ -31,7 +31,7 @@ def render(program, checkpoint, target):
     """Makes the picture or video `target`. @return what the program said of the episode."""
     done = subprocess.run([str(program), "render", "--checkpoint", str(checkpoint), "--seed", str(SEED),
                            "--episode", str(EPISODE), "--out", str(target)],
-                          capture_output=True, text=True)
+                          capture_output=True, text=True, errors="surrogateescape")
     if done.returncode != 0:
         raise RenderError(f"{Path(checkpoint).name}: {done.stderr.strip()}")
     return done.stdout.strip()

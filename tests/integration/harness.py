@@ -71,6 +71,7 @@ class Process:
         self._on_line = on_line or (lambda line: None)
         self.child = children.start(
             self.command,
+            obeys=children.STOP_SIGNALS,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -201,6 +202,7 @@ class Stage:
         self.domain, self._claim = _claim_domain(f"{os.getpid()} {name}")
         self.runs = folder / "runs"
         self.processes = []
+        self.callbacks = []  # called by close() for what else a test leaves
 
     def start(self, *command, host=None):
         """@param host  of namespaces.py, to run there; None: this machine."""
@@ -259,6 +261,8 @@ class Stage:
         return inspect.json()
 
     def close(self):
+        for callback in self.callbacks:
+            callback()
         for process in self.processes:
             if process.child.poll() is None:
                 process.kill()

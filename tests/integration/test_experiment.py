@@ -1,6 +1,8 @@
 """deploy/experiment: a matrix of runs, resumable at any instant."""
 
 import csv
+import errno
+import importlib.util
 import json
 import os
 import select
@@ -271,3 +273,69 @@ def test_a_run_that_fails_is_named_and_the_others_are_made(stage):
     assert ended.wait() == 1, ended
     assert "push-multihead-s7: deploy/train ended with" in ended.text, ended
     assert place.run_json("push-ppo-s7")["arm"] == "ppo"
+
+
+@pytest.fixture
+def experimenter(monkeypatch):
+    """The module behind deploy/experiment."""
+    monkeypatch.syspath_prepend(ROOT / "deploy" / "experimenter")
+    spec = importlib.util.spec_from_file_location("experimenter", ROOT / "deploy" / "experimenter" / "__main__.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+class FullDisk:
+    """A slot that can start once the disk has room; its cell is done at once then."""
+
+    free = True
+
+    def __init__(self, tries):
+        self.tries, self.started = tries, []
+
+    def advance(self):
+        return bool(self.started)
+
+    def start(self, cell, files):
+        self.tries -= 1
+        if self.tries:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        self.started.append(cell)
+
+
+class NoEvents:
+    def relieve(self, outlets):
+        pass
+
+    def wait(self, timeout):
+        return []
+
+    def stop(self, children, steps):
+        pass
+
+    drain = close = lambda self: None
+
+
+class NotDone:
+    def done(self):
+        return None
+
+
+class SaidBy:
+    def __init__(self, said):
+        self.note = said.append
+
+    show = done = close = lambda self, *_: None
+
+
+def test_a_full_disk_is_waited_for_and_told_of_once(experimenter, monkeypatch):
+    said = []
+    monkeypatch.setattr(experimenter.children, "Events", NoEvents)
+    monkeypatch.setattr(experimenter.view, "View", lambda *_: SaidBy(said))
+    files = {"cell": NotDone()}
+    runner = experimenter.Runner(["cell"], files, [], None, [])
+    slot = FullDisk(tries=4)
+    runner._slots = [slot]
+    assert runner.run() == 0
+    assert slot.started == ["cell"]
+    assert said == ["waiting until this is over: [Errno 28] No space left on device"]

@@ -3,11 +3,13 @@
 import os
 import re
 import select
+import shlex
 import signal
 
 import pytest
 
 import children
+import session
 from harness import BUILD, ENDLESS, LONG, LONG_UPDATES, ROOT, SMALL, STEPS
 
 TRAIN = str(ROOT / "deploy" / "train")
@@ -49,6 +51,8 @@ def test_it_trains_to_the_end_and_says_where_the_results_are(stage):
     assert launcher.wait() == 0, launcher
     assert "every episode number entered exactly one update: 32 of 32" in launcher.text, launcher
     assert re.search(r"update +8/8 +1600/1600 steps +return .* success .* steps/s", launcher.text)
+    # The words by which the launcher knows that an actor is there.
+    assert session.JOINED.search((stage.runs / "run" / "logs" / "learner.log").read_bytes())
     for word in ("progress.csv", "checkpoints/latest", "evaluate --checkpoint"):
         assert word in launcher.text, launcher
     assert not runs_of(stage)
@@ -113,7 +117,7 @@ def test_usage_errors_exit_2_and_leave_nothing(stage, options):
     assert not (stage.runs / "run").exists()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_stopping_leaves_a_checkpoint_and_no_orphans_and_resume_goes_on(stage, number):
     launcher = train(stage, "--run", "run", small=LONG)
     launcher.expect_text("update    1/")
@@ -164,6 +168,45 @@ def test_without_actors_it_waits_for_others(stage):
     launcher.expect_text("metronome-actor run")
     assert stage.actor("run").wait() == 0
     assert launcher.wait() == 0, launcher
+
+
+def dangling(path):
+    path.symlink_to("nowhere")
+
+
+@pytest.mark.parametrize("make, says", [(dangling, "is a link to nowhere, which is not there"),
+                                        (lambda path: path.touch(), "is not a folder")], ids=["dangling link", "file"])
+@pytest.mark.parametrize("where", ["runs", "runs/run", "above/runs"])
+def test_what_cannot_be_a_folder_is_named(stage, tmp_path, make, says, where):
+    stage.runs = tmp_path / where.removesuffix("/run")
+    wrong = tmp_path / where.removesuffix("/runs") if "above" in where else tmp_path / where
+    wrong.parent.mkdir(exist_ok=True)
+    make(wrong)
+    launcher = train(stage, "--run", "run")
+    assert launcher.wait(30) == 2, launcher
+    assert f"{wrong} {says}" in launcher.text and "Traceback" not in launcher.text, launcher
+    assert not os.path.exists(tmp_path / "nowhere")
+
+
+def test_without_its_programs_a_build_is_refused(stage, tmp_path):
+    launcher = train(stage, "--build", tmp_path)
+    assert launcher.wait(30) == 2, launcher
+    assert f"there is no {tmp_path}/bin/metronome-learner" in launcher.text, launcher
+
+
+def test_printed_commands_can_be_typed(stage, tmp_path):
+    stage.runs = tmp_path / "my runs"
+    launcher = train(stage, "--run", "run", small=ENDLESS)
+    launcher.expect_text("update    1/")
+    launcher.signal(signal.SIGINT)
+    assert launcher.wait(50) == 128 + signal.SIGINT, launcher
+    said = {line.split()[0]: shlex.split(line)[1:] for line in launcher.lines if line.startswith("  ")}
+    assert said["curves"] == ["tensorboard", "--logdir", str(stage.runs / "run")]
+    assert said["evaluate"][-1] == str(stage.latest("run")), launcher
+    evaluated = stage.start(*said["evaluate"], "--episodes", 1)
+    assert evaluated.wait() == 0, evaluated
+    again = stage.start(*said["go"][1:], "--set", "nothing.at_all=1")  # understood up to what is wrong
+    assert again.wait() == 2 and 'unknown setting "nothing"' in again.text, again
 
 
 @pytest.fixture

@@ -1,0 +1,35 @@
+"""Folders that a person names: what can be said of them before anything is written."""
+
+import os
+from pathlib import Path
+
+
+def shown(path):
+    """A path as a person would type it: relative, where it lies below."""
+    try:
+        relative = os.path.relpath(path)
+    except OSError:  # the current folder was removed
+        return str(path)
+    return str(path) if relative.startswith("..") else relative
+
+
+def absolute(path):
+    """@throws OSError, whose message is for people."""
+    try:
+        return Path(path).absolute()
+    except FileNotFoundError:
+        raise OSError(f"{path} begins at the current folder, which was removed: "
+                      "change to another one, or name the whole path") from None
+
+
+def usable(path):
+    """@return the absolute path of a folder that is there or could be made by that name.
+    @throws OSError, whose message is for people."""
+    path = absolute(path)
+    for place in (*reversed(path.parents), path):
+        if os.path.islink(place) and not os.path.exists(place):
+            raise OSError(f"{place} is a link to {os.readlink(place)}, which is not there: "
+                          "make that folder, or remove the link")
+        if os.path.lexists(place) and not os.path.isdir(place):
+            raise OSError(f"{place} is not a folder: move it away, or name another")
+    return path
