@@ -18,10 +18,15 @@ import policies  # noqa: E402
 import scores  # noqa: E402
 import style  # noqa: E402
 import tables  # noqa: E402
+import whole_files  # noqa: E402
 from draw import blocks, controls, efficiency, final, heads, learning  # noqa: E402
 from names import arms_of, tasks_of  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "deploy" / "launcher"))
+
+import stops  # noqa: E402
+
 FIGURES = {
     "main": learning.main, "main-success": learning.main_success, "ablation": learning.ablation,
     "final": final.final, "heads": heads.heads, "controls": controls.controls,
@@ -138,7 +143,7 @@ def write_page(path, experiments, captions, made, suffix):
         parts += [f"## {name}", f"![{name}]({image_of(name, suffix)})", caption]
     for name, table in made.items():
         parts += [f"## Table: {name}", table]
-    path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    whole_files.write(path, "\n\n".join(parts) + "\n")
     print(f"  {shown(path)}", flush=True)
 
 
@@ -158,7 +163,7 @@ def fill_page(page, blocks):
         # Up to the next mark of an end, but never over that of a beginning.
         pattern = re.compile(rf"(<!-- {kind} {re.escape(name)} -->\n)(?:(?!<!-- ).)*(<!-- end -->)", re.DOTALL)
         text = pattern.sub(lambda match: f"{match[1]}\n{block}\n\n{match[2]}", text)
-    page.write_text(text, encoding="utf-8")
+    whole_files.write(page.resolve(), text)  # a link stays one
     print(f"  {shown(page)}", flush=True)
 
 
@@ -171,6 +176,7 @@ def page_blocks(options, captions, made):
 
 def main():
     parser, options = parse_arguments()
+    stops.exit_on_stop()
     if options.page and not options.page.is_file():
         parser.error(f"--page: there is no file {options.page}")
     if options.page and unknown_mark(options.page):
@@ -210,4 +216,7 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(130)
