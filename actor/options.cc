@@ -145,7 +145,8 @@ void AddPlacementsOf(CLI::App& command, std::uint64_t& seed, std::string& placem
       .add_option(
           "--placements", placements,
           "random: fresh ones, of --seed; mt1: the official benchmark's 50 of --seed; fixed: "
-          "the one of a run with the checkpoint's own seed, as --placements fixed trains on")
+          "the one of a run with the checkpoint's own seed on that task, as --placements fixed "
+          "trains on")
       ->check(OneOf("placements", {"random", "fixed", "mt1"}))
       ->capture_default_str();
   command
@@ -227,9 +228,8 @@ void AddRender(CLI::App& app, Typed& typed) {
   render->footer(
       "What is otherwise than in training is a warning, as evaluate's. Files are whole or not "
       "there.\n"
-      "Exit status: 0; 1 where checkpoint, scene, OpenGL, ffmpeg or the files cannot be used, 2 "
-      "bad "
-      "options, 128 + N stopped by signal N.");
+      "Exit status: 0; 1 where checkpoint, scene, OpenGL, ffmpeg or the files cannot be used, "
+      "2 bad options, 128 + N stopped by signal N.");
 }
 
 RunOptions Judge(Typed typed) {
