@@ -14,7 +14,12 @@
 #include "actor/metaworld/assets.h"
 #include "actor/metaworld/placement.h"
 #include "actor/metaworld/task_table.h"
+#include "actor/rollout.h"
+#include "actor/training_differences.h"
 #include "common/build_info.h"
+#include "common/config_fields.h"
+#include "common/cpu_count.h"
+#include "common/near_miss.h"
 #include "common/policy.h"
 #include "common/random.h"
 #include "common/snapshot.h"
@@ -22,6 +27,8 @@
 
 namespace metronome {
 namespace {
+
+constexpr std::int32_t kEpisodes = 50;
 
 using Float39 = std::array<float, kObservationSize>;
 
@@ -54,40 +61,53 @@ void Summarise(Evaluation& evaluation) {
                  evaluation.success_low, evaluation.success_high);
 }
 
-// Shares the episodes out over threads; each result goes to its own place.
+std::int32_t EpisodesOf(const EvaluateOptions& options, const RunConfig& config) {
+  return options.episodes.value_or(
+      std::min(kEpisodes, DifferentEpisodes(options, config).value_or(kEpisodes)));
+}
+
+std::int32_t ThreadsFor(const EvaluateOptions& options, std::size_t episodes) {
+  return std::min(options.threads > 0 ? options.threads : UsableCpus(),
+                  static_cast<std::int32_t>(episodes));
+}
+
+// Shares the episodes out over threads; each result goes to its own place. What would be the same
+// again is not played again.
 Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
                    const PolicySnapshot& snapshot) {
-  const std::string& task = config.environment().task();
   metaworld::EnvironmentOptions environment_options;
   environment_options.goal_visible = config.environment().goal_visible();
   environment_options.assets =
       options.assets.empty() ? metaworld::DefaultAssetsPath() : options.assets;
+  const std::int32_t asked = EpisodesOf(options, config);
+  const std::int32_t different = DifferentEpisodes(options, config).value_or(asked);
   Evaluation evaluation;
-  evaluation.episodes.resize(static_cast<std::size_t>(options.episodes));
+  evaluation.episodes.resize(static_cast<std::size_t>(std::min(asked, different)));
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
   std::mutex failure_mutex;
   const auto work = [&](std::size_t /*thread*/) {
     try {
-      const auto environment = metaworld::MakeEnvironment(task, environment_options);
+      const auto environment =
+          metaworld::MakeEnvironment(config.environment().task(), environment_options);
       for (std::size_t i = next++; i < evaluation.episodes.size(); i = next++) {
         evaluation.episodes[i] =
             PlayDeterministic(config, snapshot, EvaluationSchedule(options, config, i),
-                              EvaluationPlacement(options, task, i), *environment);
+                              EvaluationPlacement(options, config, i), *environment);
       }
     } catch (...) {
       const std::lock_guard lock(failure_mutex);
       failure = std::current_exception();
     }
   };
-  const auto cores = static_cast<std::int32_t>(std::max(1U, std::thread::hardware_concurrency()));
-  const std::int32_t wanted =
-      std::min(options.threads > 0 ? options.threads : cores, options.episodes);
   std::vector<std::thread> threads = StartThreads(
-      static_cast<std::size_t>(wanted), work, [&] { next = evaluation.episodes.size(); },
-      "--threads");
+      static_cast<std::size_t>(ThreadsFor(options, evaluation.episodes.size())), work,
+      [&] { next = evaluation.episodes.size(); }, "--threads");
   for (std::thread& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
+  for (std::int32_t i = different; i < asked; ++i) {
+    evaluation.episodes.push_back(evaluation.episodes[static_cast<std::size_t>(i - different)]);
+  }
   Summarise(evaluation);
   return evaluation;
 }
@@ -101,14 +121,35 @@ void RequireOrderFits(const EvaluateOptions& options, const RunConfig& config) {
   }
 }
 
-void PrintJson(const Evaluation& evaluation, const Checkpoint& checkpoint, const std::string& task,
-               const std::vector<std::uint32_t>& head_order, std::ostream& out) {
+// The interval counts episodes as if they all differed.
+void WarnOfRepeats(const EvaluateOptions& options, const RunConfig& config, std::ostream& err) {
+  const std::int32_t asked = EpisodesOf(options, config);
+  const std::int32_t different = DifferentEpisodes(options, config).value_or(asked);
+  if (asked <= different) return;
+  err << "warning: " << options.placements << " placements make " << different
+      << (different == 1 ? " episode" : " different episodes") << ", the others of --episodes "
+      << asked << " are the same again: the interval is too narrow\n";
+}
+
+/// What was done, and how.
+struct Report {
+  const Checkpoint& checkpoint;
+  const EvaluateOptions& options;
+  const RunConfig& config;  // of the evaluation
+  std::vector<std::string> differences;
+};
+
+void PrintJson(const Evaluation& evaluation, const Report& report, std::ostream& out) {
+  const EnvironmentConfig& environment = report.config.environment();
   nlohmann::ordered_json json;
-  json["task"] = task;
-  json["version"] = checkpoint.state.version;
-  json["steps"] = checkpoint.state.steps;
+  json["task"] = environment.task();
+  json["version"] = report.checkpoint.state.version;
+  json["steps"] = report.checkpoint.state.steps;
   json["episodes"] = evaluation.episodes.size();
-  if (!head_order.empty()) json["head_order"] = head_order;
+  json["placements"] = report.options.placements;
+  json["horizon"] = environment.horizon();
+  json["goal_visible"] = environment.goal_visible();
+  if (!report.options.head_order.empty()) json["head_order"] = report.options.head_order;
   json["success"] = evaluation.success;
   json["success_low"] = evaluation.success_low;
   json["success_high"] = evaluation.success_high;
@@ -116,19 +157,24 @@ void PrintJson(const Evaluation& evaluation, const Checkpoint& checkpoint, const
   json["return"] = evaluation.mean_return;
   json["time_to_success"] = nullptr;
   if (evaluation.time_to_success) json["time_to_success"] = *evaluation.time_to_success;
-  json["engine_trained"] = checkpoint.engine;
+  json["engine_trained"] = report.checkpoint.engine;
   json["engine_used"] = EngineName();
-  out << json.dump(2) << '\n';
+  json["differences"] = report.differences;
+  out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
 }
 
-void PrintText(const Evaluation& evaluation, const Checkpoint& checkpoint, const std::string& task,
-               const std::vector<std::uint32_t>& head_order, std::ostream& out) {
-  out << task << ", weights version " << checkpoint.state.version << " (" << checkpoint.state.steps
-      << " steps), " << evaluation.episodes.size() << " episodes, mean action, " << EngineName()
+void PrintText(const Evaluation& evaluation, const Report& report, std::ostream& out) {
+  const EnvironmentConfig& environment = report.config.environment();
+  const std::size_t episodes = evaluation.episodes.size();
+  out << environment.task() << ", weights version " << report.checkpoint.state.version << " ("
+      << report.checkpoint.state.steps << " steps), " << episodes
+      << (episodes == 1 ? " episode" : " episodes") << " of " << environment.horizon()
+      << " steps, placements " << report.options.placements << ", goal "
+      << (environment.goal_visible() ? "visible" : "hidden") << ", mean action, " << EngineName()
       << '\n';
-  if (!head_order.empty()) {
+  if (!report.options.head_order.empty()) {
     out << "heads by block";
-    for (const std::uint32_t head : head_order) out << ' ' << head;
+    for (const std::uint32_t head : report.options.head_order) out << ' ' << head;
     out << '\n';
   }
   out << "success      " << evaluation.success << "  (95 % interval " << evaluation.success_low
@@ -143,33 +189,30 @@ void PrintText(const Evaluation& evaluation, const Checkpoint& checkpoint, const
 }  // namespace
 
 void RequireValid(const EvaluateOptions& options) {
-  if (options.episodes < 1) {
+  if (options.episodes && *options.episodes < 1) {
     throw std::invalid_argument("--episodes must be at least 1, not " +
-                                std::to_string(options.episodes));
+                                std::to_string(*options.episodes));
   }
-  if (options.placements != "random" && options.placements != "mt1") {
-    throw std::invalid_argument("--placements '" + options.placements +
-                                "' is not one of: random, mt1");
+  const std::vector<std::string> known = EnumWords(*Placements_descriptor());
+  if (std::find(known.begin(), known.end(), options.placements) == known.end()) {
+    throw std::invalid_argument(UnknownName("--placements", options.placements, known));
   }
   if (options.placements == "mt1" && options.seed > 0xffffffffULL) {
     throw std::invalid_argument("--seed of mt1 placements must be below 2^32");
   }
 }
 
-RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const std::string& task,
-                           std::ostream& err) {
+RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const EvaluateOptions& options) {
   RunConfig config = checkpoint.config;
-  if (!task.empty()) config.mutable_environment()->set_task(metaworld::FindTask(task).name);
-  const std::string& played = config.environment().task();
-  const std::string& trained = checkpoint.config.environment().task();
-  if (played != trained) {
-    err << "warning: a policy trained on " << trained << " is evaluated on " << played << '\n';
+  if (!options.task.empty()) {
+    config.mutable_environment()->set_task(metaworld::FindTask(options.task).name);
   }
-  if (checkpoint.engine != EngineName()) {
-    err << "warning: a policy trained on " << checkpoint.engine << " is evaluated on "
-        << EngineName() << '\n';
-  }
+  SetField(config, "environment.placements", options.placements);
   return config;
+}
+
+void Warn(const std::vector<std::string>& differences, std::ostream& err) {
+  for (const std::string& difference : differences) err << "warning: " << difference << '\n';
 }
 
 void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, double& high) {
@@ -184,15 +227,39 @@ void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, do
   high = std::min(1.0, centre + half);
 }
 
-metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const std::string& task,
+metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const RunConfig& config,
                                        std::uint64_t index) {
-  const metaworld::TaskSpec& spec = metaworld::FindTask(task);
-  if (options.placements == "mt1") {
-    const auto official = metaworld::Mt1Placements(spec, static_cast<std::uint32_t>(options.seed));
-    return official.at(index % official.size());
+  const metaworld::TaskSpec& spec = metaworld::FindTask(config.environment().task());
+  switch (config.environment().placements()) {
+    case PLACEMENTS_FIXED:
+      return TrainingPlacement(config, 0);
+    case PLACEMENTS_MT1: {
+      const auto official =
+          metaworld::Mt1Placements(spec, static_cast<std::uint32_t>(options.seed));
+      return official.at(index % official.size());
+    }
+    case PLACEMENTS_RANDOM:
+      break;
   }
   RandomStream stream(RandomPurpose::kEvaluate, options.seed, index, kPlacementDraw);
   return metaworld::DrawPlacement(spec, stream);
+}
+
+std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
+                                              const RunConfig& config) {
+  const PolicyConfig& policy = config.policy();
+  if (policy.schedule() == SCHEDULE_SHUFFLED && policy.heads() > 1 && options.head_order.empty()) {
+    return std::nullopt;
+  }
+  switch (config.environment().placements()) {
+    case PLACEMENTS_FIXED:
+      return 1;
+    case PLACEMENTS_MT1:
+      return metaworld::kMt1Placements;
+    case PLACEMENTS_RANDOM:
+      break;
+  }
+  return std::nullopt;
 }
 
 HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
@@ -228,14 +295,17 @@ int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream&
   try {
     RequireValid(options);
     const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
-    const RunConfig config = ConfigToEvaluate(checkpoint, options.task, err);
-    const std::string& task = config.environment().task();
+    const RunConfig config = ConfigToEvaluate(checkpoint, options);
     RequireOrderFits(options, config);
+    const Report report{checkpoint, options, config,
+                        DifferencesFromTraining(checkpoint, options, config)};
+    Warn(report.differences, err);
+    WarnOfRepeats(options, config, err);
     const Evaluation evaluation = PlayAll(options, config, SnapshotOf(checkpoint.state, config));
     if (options.json) {
-      PrintJson(evaluation, checkpoint, task, options.head_order, out);
+      PrintJson(evaluation, report, out);
     } else {
-      PrintText(evaluation, checkpoint, task, options.head_order, out);
+      PrintText(evaluation, report, out);
     }
     out << std::flush;
     if (!out) throw std::runtime_error("cannot write the result to standard output");

@@ -17,10 +17,10 @@ namespace metronome {
 
 struct EvaluateOptions {
   std::string checkpoint;
-  std::string task;  // any accepted spelling; empty: the checkpoint's
-  std::int32_t episodes = 50;
-  std::uint64_t seed = 1;
-  std::string placements = "random";      // random | mt1
+  std::string task;                       // any accepted spelling; empty: the checkpoint's
+  std::optional<std::int32_t> episodes;   // none: 50, or all that differ where those are fewer
+  std::uint64_t seed = 1;                 // of random and mt1 placements and of shuffled heads
+  std::string placements = "random";      // random | fixed | mt1
   std::vector<std::uint32_t> head_order;  // [k], who acts in each block; empty: as in training
   bool json = false;
   std::int32_t threads = 0;  // 0: all cores; never changes the result
@@ -49,19 +49,28 @@ struct Evaluation {
 /// @throws std::invalid_argument naming the option that cannot be as it is.
 void RequireValid(const EvaluateOptions& options);
 
-/// The checkpoint's configuration with another task, if `task` is not empty. What the policy was
-/// not trained for, task or engine, is a warning on `err`.
-RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const std::string& task,
-                           std::ostream& err);
+/// The configuration that evaluation episodes are played with: the checkpoint's, with the task and
+/// the placements of `options`.
+RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const EvaluateOptions& options);
+
+/// One line for each difference (training_differences.h).
+void Warn(const std::vector<std::string>& differences, std::ostream& err);
 
 /// Wilson score interval of `successes` out of `trials`, at 1.96 standard deviations
 /// (Wilson 1927). @throws std::invalid_argument if trials < 1.
 void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, double& high);
 
 /// Where evaluation episode `index` starts. `random` draws from the evaluation's own streams, which
-/// no training run of any seed uses; `mt1` goes through the official 50 of `seed` in order.
-metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const std::string& task,
+/// no training run of any seed uses; `mt1` goes through the official 50 of `seed` in order; `fixed`
+/// is the one of a run with the checkpoint's seed on the task played.
+/// @param config  from ConfigToEvaluate.
+metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const RunConfig& config,
                                        std::uint64_t index);
+
+/// How many evaluation episodes differ from each other: those after them are the same again.
+/// std::nullopt: all do. @param config  from ConfigToEvaluate.
+std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
+                                              const RunConfig& config);
 
 /// Who acts when in evaluation episode `index`: the policy's own schedule, in the evaluation's own
 /// streams, or `options.head_order`. @throws std::invalid_argument if the policy has no such order.
@@ -81,7 +90,8 @@ EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot
                                    const StepWatcher& watch = {});
 
 /// `metronome-actor evaluate`: success rate with its confidence interval and mean return of a
-/// checkpoint's policy. Another engine than the checkpoint's is a warning on `err`.
+/// checkpoint's policy. What is otherwise than in training is a warning on `err`, and `differences`
+/// in JSON.
 /// @return exit status: 0; 1 where the checkpoint or the scenes cannot be used, 2 for bad options.
 int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream& err);
 

@@ -9,6 +9,8 @@
 #include <iostream>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <variant>
 
 #include "actor/actor_client.h"
 #include "actor/metaworld/assets.h"
@@ -120,6 +122,10 @@ int Execute(const RunOptions& options) {
   }
 }
 
+/// Of the commands that come to an end by themselves: a stop needs no word, and nothing is left to
+/// tidy, since what they write is whole or not there.
+void EndAtOnce(int signal) { _exit(kSignalBase + signal); }
+
 int Execute(const TraceOptions& options) { return RunTrace(options, std::cout); }
 int Execute(const PlacementsOptions& options) { return RunPlacements(options, std::cout); }
 int Execute(const EvaluateOptions& options) { return RunEvaluate(options, std::cout, std::cerr); }
@@ -128,8 +134,10 @@ int Execute(const RenderOptions& options) { return RunRender(options, std::cout,
 int Main(int argc, char** argv) {
   const auto parsed = ParseActorCommand(argc, argv);
   if (const int* status = std::get_if<int>(&parsed)) return *status;
-  return std::visit([](const auto& command) { return Execute(command); },
-                    std::get<ActorCommand>(parsed));
+  const ActorCommand& command = std::get<ActorCommand>(parsed);
+  std::optional<SignalWatch> signals;
+  if (!std::holds_alternative<RunOptions>(command)) signals.emplace(EndAtOnce);
+  return std::visit([](const auto& options) { return Execute(options); }, command);
 }
 
 }  // namespace

@@ -139,23 +139,37 @@ void AddPlacements(CLI::App& app, Typed& typed) {
       ->transform(Number<std::uint64_t>(1, std::uint64_t{1} << 40));
 }
 
+/// Of which episodes, alike for evaluate and render.
+void AddPlacementsOf(CLI::App& command, std::uint64_t& seed, std::string& placements) {
+  command
+      .add_option(
+          "--placements", placements,
+          "random: fresh ones, of --seed; mt1: the official benchmark's 50 of --seed; fixed: "
+          "the one of a run with the checkpoint's own seed on that task, as --placements fixed "
+          "trains on")
+      ->check(OneOf("placements", {"random", "fixed", "mt1"}))
+      ->capture_default_str();
+  command
+      .add_option("--seed", seed,
+                  "Seed of random and mt1 placements, and of the orders of shuffled heads; a fixed "
+                  "placement is the same for all")
+      ->transform(Number<std::uint64_t>())
+      ->capture_default_str();
+}
+
 void AddEvaluate(CLI::App& app, Typed& typed) {
   EvaluateOptions& options = typed.evaluate;
   CLI::App* evaluate = app.add_subcommand(
-      "evaluate", "Measure a checkpoint's deterministic policy on placements never trained on");
+      "evaluate",
+      "Measure a checkpoint's deterministic policy, by default on placements never trained on");
   evaluate->add_option("--checkpoint", options.checkpoint, "Checkpoint file")->required();
   evaluate->add_option("--task", options.task, TaskHelp() + " [the checkpoint's]")->check(Task());
-  evaluate->add_option("--episodes", options.episodes, "How many episodes, 1 to 1000000")
-      ->transform(Number<std::int32_t>(1, 1'000'000))
-      ->capture_default_str();
-  evaluate->add_option("--seed", options.seed, "Seed of the placements")
-      ->transform(Number<std::uint64_t>())
-      ->capture_default_str();
   evaluate
-      ->add_option("--placements", options.placements,
-                   "random: fresh ones; mt1: the official benchmark's 50")
-      ->check(OneOf("placements", {"random", "mt1"}))
-      ->capture_default_str();
+      ->add_option(
+          "--episodes", options.episodes,
+          "How many episodes, 1 to 1000000 [50; 1 where fixed placements make all the same]")
+      ->transform(Number<std::int32_t>(1, 1'000'000));
+  AddPlacementsOf(*evaluate, options.seed, options.placements);
   evaluate
       ->add_option("--head-order", options.head_order,
                    "Which head acts in each of the k blocks of time, e.g. 0,1,1,3 for k = 4 "
@@ -167,6 +181,11 @@ void AddEvaluate(CLI::App& app, Typed& typed) {
       ->transform(Number<std::int32_t>(0, 1024))
       ->capture_default_str();
   evaluate->add_flag("--json", options.json, "Print one JSON object");
+  evaluate->footer(
+      "What is otherwise than in training (task, placements, who acts when, engine, build) is a "
+      "warning, and in JSON the list `differences`.\n"
+      "Exit status: 0; 1 where checkpoint or scenes cannot be used, 2 bad options, 128 + N stopped "
+      "by signal N.");
 }
 
 void AddRender(CLI::App& app, Typed& typed) {
@@ -183,16 +202,9 @@ void AddRender(CLI::App& app, Typed& typed) {
                      "File for the path's numbers: step, head, hand, gripper, object, reward, "
                      "success; --out is not needed then");
   render->add_option("--task", options.task, TaskHelp() + " [the checkpoint's]")->check(Task());
-  render->add_option("--seed", options.seed, "Seed of the placements, as evaluate's")
-      ->transform(Number<std::uint64_t>())
-      ->capture_default_str();
+  AddPlacementsOf(*render, options.seed, options.placements);
   render->add_option("--episode", options.episode, "Which of evaluate's episodes, from 0")
       ->transform(Number<std::uint64_t>())
-      ->capture_default_str();
-  render
-      ->add_option("--placements", options.placements,
-                   "random: fresh ones; mt1: the official benchmark's 50")
-      ->check(OneOf("placements", {"random", "mt1"}))
       ->capture_default_str();
   render->add_option("--size", options.size, "WIDTHxHEIGHT in pixels [1280x960; .mp4 640x480]");
   render
@@ -213,6 +225,11 @@ void AddRender(CLI::App& app, Typed& typed) {
   render->add_option("--speed", options.speed, ".mp4: times real time")
       ->transform(Number<double>(0.01, 100))
       ->capture_default_str();
+  render->footer(
+      "What is otherwise than in training is a warning, as evaluate's. Files are whole or not "
+      "there.\n"
+      "Exit status: 0; 1 where checkpoint, scene, OpenGL, ffmpeg or the files cannot be used, "
+      "2 bad options, 128 + N stopped by signal N.");
 }
 
 RunOptions Judge(Typed typed) {

@@ -37,6 +37,13 @@ std::string ReadAll(const std::string& path) {
   return text;
 }
 
+/// Less what editors add that save a file: a mark of UTF-8 before it, carriage returns in it.
+std::string Plain(std::string text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  std::erase(text, '\r');
+  return text;
+}
+
 std::vector<std::string_view> Split(std::string_view line) {
   std::vector<std::string_view> fields;
   for (std::size_t from = 0;;) {
@@ -200,7 +207,7 @@ void ReadSteps(std::istream& lines, std::size_t promised, Recording& recording) 
 Recording ReadRecording(const std::string& path) {
   try {
     Recording recording;
-    std::istringstream lines(ReadAll(path));
+    std::istringstream lines(Plain(ReadAll(path)));
     std::string header;
     std::getline(lines, header);
     const std::size_t promised = ReadHeader(header, recording);

@@ -20,6 +20,8 @@ namespace fs = std::filesystem;
 /// An open file descriptor; closes at the end of its scope.
 class Descriptor {
  public:
+  /// Owns `fd`. @param path  for messages.
+  Descriptor(int fd, std::string path) : path_(std::move(path)), fd_(fd) {}
   Descriptor(const std::string& path, int flags) : path_(path) {
     fd_ = open(path.c_str(), flags | O_CLOEXEC, 0644);
     if (fd_ < 0) Fail("cannot open " + path);
@@ -58,6 +60,15 @@ class Descriptor {
   int fd_ = -1;
 };
 
+std::string FolderOf(const std::string& path) {
+  const std::string folder = fs::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+void SyncFolderOf(const std::string& path) {
+  Descriptor(FolderOf(path), O_RDONLY | O_DIRECTORY).Sync();
+}
+
 /// A path beside `path` that is removed again unless Commit ran.
 class Temporary {
  public:
@@ -76,14 +87,48 @@ class Temporary {
   void Commit() {
     if (rename(name_.c_str(), path_.c_str()) != 0) Fail("cannot replace " + path_);
     committed_ = true;
-    const std::string folder = fs::path(path_).parent_path().string();
-    Descriptor(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY).Sync();
+    SyncFolderOf(path_);
   }
 
  private:
   std::string path_, name_;
   bool committed_ = false;
 };
+
+void WriteAndSync(Descriptor& file, std::string_view content) {
+  file.Write(content);
+  file.Sync();
+}
+
+/// Writes a file that has no name before it is whole, so that nothing is left of it whatever ends
+/// the process. @return false if this cannot be done here (no such files on NFS, no /proc).
+bool WriteNameless(const std::string& path, std::string_view content) {
+  const int fd = open(FolderOf(path).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0644);
+  if (fd < 0) return false;
+  Descriptor file(fd, path);
+  WriteAndSync(file, content);
+  const auto name_it = [source = "/proc/self/fd/" + std::to_string(fd)](const std::string& name) {
+    return linkat(AT_FDCWD, source.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  };
+  if (name_it(path)) {
+    SyncFolderOf(path);
+    return true;
+  }
+  if (errno != EEXIST) return false;
+  Temporary temporary(path);  // a link cannot replace a file, renaming can
+  if (!name_it(temporary.name())) return false;
+  temporary.Commit();
+  return true;
+}
+
+void WriteNamed(const std::string& path, std::string_view content) {
+  Temporary temporary(path);
+  {
+    Descriptor file(temporary.name(), O_WRONLY | O_CREAT | O_EXCL);
+    WriteAndSync(file, content);
+  }
+  temporary.Commit();
+}
 
 }  // namespace
 
@@ -104,13 +149,8 @@ std::string FileToReplace(const std::string& path) {
 }
 
 void WriteFileAtomically(const std::string& path, std::string_view content) {
-  Temporary temporary(FileToReplace(path));
-  {
-    Descriptor file(temporary.name(), O_WRONLY | O_CREAT | O_EXCL);
-    file.Write(content);
-    file.Sync();
-  }
-  temporary.Commit();
+  const std::string file = FileToReplace(path);
+  if (!WriteNameless(file, content)) WriteNamed(file, content);
 }
 
 void ReplaceSymlink(const std::string& link, const std::string& target) {

@@ -17,8 +17,9 @@ std::string ReadFile(const std::string& path);
 std::string FileToReplace(const std::string& path);
 
 /// Writes `content` to FileToReplace(path) so that, whatever happens, it holds the old content or
-/// the new: a temporary file in the same folder is written, synced and renamed, then the folder is
-/// synced.
+/// the new: a new file in the same folder is written, synced and put in its place, then the folder
+/// is synced. The new file has no name before it is whole, so that a process that is ended leaves
+/// nothing; only where the file system knows no such files (NFS) it is FILE.tmp.PID meanwhile.
 /// @throws std::system_error (disk full, no folder); the old content stays and the temporary is
 ///         gone. If only the folder could not be synced, the new content is in place already, but
 ///         may not outlive a power cut.

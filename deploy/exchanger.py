@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "deploy" / "launcher"))
 
 import folders  # noqa: E402
+import stops  # noqa: E402
 import terminal  # noqa: E402
 
 COLUMNS = ("order", "success", "success_end", "return", "time_to_success",
@@ -79,7 +80,10 @@ def exchange(checkpoint, options):
     if policy["schedule"] == "interleaved":
         raise Refused(f"{checkpoint}: interleaved heads have no blocks of time to exchange")
     evaluate = (actor, "evaluate", "--checkpoint", checkpoint, "--seed", options.seed, "--json")
-    engine = said_by(*evaluate, "--episodes", 1)["engine_used"]
+    as_trained = said_by(*evaluate, "--episodes", 1)
+    for difference in as_trained["differences"]:
+        print(f"deploy/exchange: warning: {checkpoint.stem}: {difference}", file=sys.stderr)
+    engine = as_trained["engine_used"]
     plan = [",".join(map(str, order)) for order in orders(policy["heads"])]
     same = {"episodes": options.episodes, "seed": options.seed, "engine": engine,
             "weights_sha256": policy["weights_sha256"]}
@@ -112,6 +116,7 @@ def main():
     terminal.prepare()
     options = parse_arguments()
     terminal.never_block()  # its work is the files
+    stops.exit_on_stop()
     program = options.build / "bin" / "metronome-actor"
     try:
         if not os.access(program, os.X_OK):

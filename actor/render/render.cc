@@ -13,6 +13,7 @@
 #include "actor/render/episode_path.h"
 #include "actor/render/episode_pictures.h"
 #include "actor/render/video_writer.h"
+#include "actor/training_differences.h"
 #include "common/checkpoint.h"
 #include "common/files.h"
 #include "common/near_miss.h"
@@ -113,7 +114,8 @@ void Render(const RenderOptions& options, std::ostream& out, std::ostream& err) 
   if (medium == Medium::kVideo) VideoWriter::RequireEncoder();
 
   const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
-  const RunConfig config = ConfigToEvaluate(checkpoint, options.task, err);
+  const RunConfig config = ConfigToEvaluate(checkpoint, evaluate);
+  Warn(DifferencesFromTraining(checkpoint, evaluate, config), err);
   const std::string& task = config.environment().task();
   const std::int32_t horizon = config.environment().horizon();
   const std::int32_t pose_at = PoseAt(options, horizon);
@@ -123,7 +125,7 @@ void Render(const RenderOptions& options, std::ostream& out, std::ostream& err) 
   const EpisodePath path =
       FollowEpisode(config, SnapshotOf(checkpoint.state, config),
                     {RandomPurpose::kEvaluate, evaluate.seed, options.episode},
-                    EvaluationPlacement(evaluate, task, options.episode), *environment);
+                    EvaluationPlacement(evaluate, config, options.episode), *environment);
 
   if (medium != Medium::kNone) {
     EpisodePictures pictures(environment->model(), camera, path,
@@ -132,8 +134,10 @@ void Render(const RenderOptions& options, std::ostream& out, std::ostream& err) 
     if (medium == Medium::kVideo) WriteVideo(options, size, horizon, pictures);
   }
   if (!options.csv.empty()) WriteFileAtomically(options.csv, Csv(path));
-  out << task << ", weights version " << checkpoint.state.version << ", seed " << options.seed
-      << ", episode " << options.episode << ": return " << FormatNumber(path.outcome.episode_return)
+  const bool fixed = config.environment().placements() == PLACEMENTS_FIXED;
+  out << task << ", weights version " << checkpoint.state.version << ", "
+      << (fixed ? "fixed placement" : "seed " + std::to_string(options.seed)) << ", episode "
+      << options.episode << ": return " << FormatNumber(path.outcome.episode_return)
       << (path.outcome.success ? ", success" : ", no success") << '\n'
       << std::flush;
   if (!out) throw std::runtime_error("cannot write the result to standard output");

@@ -15,7 +15,7 @@ struct RenderOptions {
   std::string task;  // any accepted spelling; empty: the checkpoint's
   std::uint64_t seed = 1;
   std::uint64_t episode = 0;          // of those that `evaluate` plays with this seed
-  std::string placements = "random";  // random | mt1
+  std::string placements = "random";  // random | fixed | mt1
   std::string out;                    // .png or .mp4; empty: no picture
   std::string csv;                    // file for the path's numbers; empty: none
   std::string size;                   // "WIDTHxHEIGHT"; empty: 1280x960, videos 640x480
@@ -34,7 +34,7 @@ ImageSize ParseImageSize(const std::string& text);
 
 /// `metronome-actor render`: a picture or a video of one episode under the deterministic policy,
 /// the hand's path coloured by head, and its numbers as CSV. What was played goes to `out` in one
-/// line, another engine or task than the checkpoint's is a warning on `err`.
+/// line, what is otherwise than in training is a warning on `err`.
 /// @return exit status: 0; 1 where checkpoint, scene, OpenGL, ffmpeg or the files cannot be used; 2
 ///         for bad options. Files are whole or not there.
 int RunRender(const RenderOptions& options, std::ostream& out, std::ostream& err);

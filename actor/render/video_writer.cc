@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -24,8 +25,12 @@ namespace {
 
 constexpr const char* kEncoder = "ffmpeg";
 
+std::string NameOf(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
+
+constexpr int kEncoderOutput = 3;  // ffmpeg's descriptor of the video
+
 /// Raw frames in; H.264 that every player takes, colours as in high-definition television out.
-std::vector<std::string> EncoderCommand(const std::string& to, ImageSize size, double rate) {
+std::vector<std::string> EncoderCommand(ImageSize size, double rate) {
   const std::string dimensions = std::to_string(size.width) + "x" + std::to_string(size.height);
   return {kEncoder,
           "-hide_banner",
@@ -61,28 +66,32 @@ std::vector<std::string> EncoderCommand(const std::string& to, ImageSize size, d
           "+faststart",
           "-f",
           "mp4",
-          to};
+          NameOf(kEncoderOutput)};
 }
 
 void Check(int error, const char* what) {
   if (error != 0) throw std::system_error(error, std::generic_category(), what);
 }
 
-/// Runs `command` with `input` as its standard input, what it says going to the file `output`.
-pid_t Spawn(std::vector<std::string> command, int input, const std::string& output) {
+/// Runs `command` with `input` as its standard input, what it says going to `said`, and `output` as
+/// its descriptor kEncoderOutput.
+pid_t Spawn(std::vector<std::string> command, int input, int said, int output) {
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
   Check(posix_spawn_file_actions_init(&files), "posix_spawn");
   Check(posix_spawnattr_init(&attributes), "posix_spawn");
   posix_spawn_file_actions_adddup2(&files, input, STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(),
-                                   O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+  posix_spawn_file_actions_adddup2(&files, said, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&files, said, STDERR_FILENO);
+  posix_spawn_file_actions_adddup2(&files, output, kEncoderOutput);
   sigset_t pipe_signal;
   sigemptyset(&pipe_signal);
   sigaddset(&pipe_signal, SIGPIPE);
   posix_spawnattr_setsigdefault(&attributes, &pipe_signal);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+  sigset_t none;  // those that this process serves in a thread are blocked in it
+  sigemptyset(&none);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
   std::vector<char*> words;
   words.reserve(command.size() + 1);
   for (std::string& word : command) words.push_back(word.data());
@@ -106,6 +115,14 @@ bool OnPath(const char* program) {
 
 }  // namespace
 
+VideoWriter::MemoryFile::MemoryFile(const char* what) : fd_(memfd_create(what, MFD_CLOEXEC)) {
+  if (fd_ < 0) Check(errno, "cannot make a file in memory");
+}
+
+VideoWriter::MemoryFile::~MemoryFile() { close(fd_); }
+
+std::string VideoWriter::MemoryFile::Content() const { return ReadFile(NameOf(fd_)); }
+
 void VideoWriter::RequireEncoder() {
   if (OnPath(kEncoder)) return;
   throw std::runtime_error(
@@ -114,15 +131,14 @@ void VideoWriter::RequireEncoder() {
 }
 
 VideoWriter::VideoWriter(const std::string& path, ImageSize size, double frames_per_second)
-    : path_(FileToReplace(path)),
-      unfinished_(path_ + ".tmp." + std::to_string(getpid())),
-      complaints_(unfinished_ + ".log") {
+    : path_(FileToReplace(path)) {
   // A frame for an ffmpeg that has ended is an error to report, not the end of this process.
   std::signal(SIGPIPE, SIG_IGN);
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) Check(errno, "cannot make a pipe");
   try {
-    ffmpeg_ = Spawn(EncoderCommand(unfinished_, size, frames_per_second), ends[0], complaints_);
+    ffmpeg_ = Spawn(EncoderCommand(size, frames_per_second), ends[0], complaints_.descriptor(),
+                    video_.descriptor());
   } catch (...) {
     close(ends[0]);
     close(ends[1]);
@@ -137,8 +153,6 @@ VideoWriter::~VideoWriter() {
     kill(ffmpeg_, SIGKILL);
     Wait();
   }
-  unlink(unfinished_.c_str());
-  unlink(complaints_.c_str());
 }
 
 void VideoWriter::Add(const Image& frame) {
@@ -153,7 +167,7 @@ void VideoWriter::Add(const Image& frame) {
 
 void VideoWriter::Finish() {
   if (Wait() != 0) Fail();
-  std::filesystem::rename(unfinished_, path_);
+  WriteFileAtomically(path_, video_.Content());
 }
 
 int VideoWriter::Wait() {
@@ -168,12 +182,7 @@ int VideoWriter::Wait() {
 
 void VideoWriter::Fail() {
   if (ffmpeg_ > 0) Wait();
-  std::string words;
-  try {
-    words = ReadFile(complaints_);
-  } catch (const std::system_error&) {
-    // Then it had nothing to say.
-  }
+  const std::string words = complaints_.Content();
   throw std::runtime_error(
       "ffmpeg could not write " + path_ +
       (words.empty() ? "" : ": " + words.substr(0, words.find_last_not_of('\n') + 1)));

@@ -19,7 +19,8 @@ class VideoWriter {
   /// 0.
   /// @throws std::system_error if it cannot be started, or what is at `path` is no regular file.
   VideoWriter(const std::string& path, ImageSize size, double frames_per_second);
-  /// Without Finish: ends ffmpeg and leaves no file.
+  /// Without Finish: ends ffmpeg and leaves no file. Nor is one left by a process that is killed;
+  /// ffmpeg then ends with its input.
   ~VideoWriter();
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
@@ -27,17 +28,32 @@ class VideoWriter {
   /// @throws std::runtime_error with ffmpeg's words if it does not take the frame.
   void Add(const Image& frame);
   /// Waits for ffmpeg and puts the finished file in its place.
-  /// @throws std::runtime_error with ffmpeg's words if it failed; then there is no file.
+  /// @throws std::runtime_error with ffmpeg's words if it failed, std::system_error if the file
+  ///         cannot be written; then there is no file.
   void Finish();
 
  private:
+  /// A file without a name, gone with the last process that has it open.
+  class MemoryFile {
+   public:
+    explicit MemoryFile(const char* what);
+    ~MemoryFile();
+    MemoryFile(const MemoryFile&) = delete;
+    MemoryFile& operator=(const MemoryFile&) = delete;
+    [[nodiscard]] int descriptor() const { return fd_; }
+    [[nodiscard]] std::string Content() const;
+
+   private:
+    int fd_;
+  };
+
   /// Closes ffmpeg's input and waits. @return its exit status, or 128 + the signal that ended it.
   int Wait();
   [[noreturn]] void Fail();
 
   const std::string path_;
-  const std::string unfinished_;  // beside it, until Finish
-  const std::string complaints_;  // what ffmpeg says
+  const MemoryFile video_{"video"};
+  const MemoryFile complaints_{"ffmpeg"};  // what it says
   int input_ = -1;
   pid_t ffmpeg_ = -1;
 };

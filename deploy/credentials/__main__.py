@@ -11,7 +11,7 @@ import cores  # noqa: E402
 import folders  # noqa: E402
 import roles  # noqa: E402
 import terminal  # noqa: E402
-from authority import FOLDER, Authority, Refused  # noqa: E402
+from authority import FOLDER, STAGED, Authority, Refused  # noqa: E402
 
 
 def _name(text):
@@ -38,7 +38,7 @@ def _parser():
         allow_abbrev=False,
         description="Makes what the participants of a secured run need: in DIR a folder each for the "
         "learner, an observer and the actors, to be copied to their machines and named there by "
-        "--security. Of a DIR that is there, adds what is missing or has expired.",
+        "--security. Of a DIR that is there, adds what is missing or has expired: what was stopped goes on.",
         epilog=f"DIR/{FOLDER} can issue identities: keep it where this is run, and nowhere else.",
     )
     parser.add_argument("folder", metavar="DIR", type=Path)
@@ -77,7 +77,7 @@ def _authority(options):
     if not (options.folder / FOLDER).exists():
         if options.run is None:
             raise Refused(f"there are no credentials in {options.folder}: new ones need --run NAME")
-        if options.folder.exists() and any(options.folder.iterdir()):
+        if options.folder.exists() and any(p.name != STAGED for p in options.folder.iterdir()):
             raise Refused(f"{options.folder} holds other things: name a folder that is new")
         made = Authority.make(options.folder, options.run, options.domain or 0)
         made.save()
@@ -117,7 +117,7 @@ def main():
         name
         for name in _wanted(options, there)
         if name not in options.revoke
-        and (options.renew or name not in there or authority.expires(name) <= now)
+        and (options.renew or not authority.is_good(name, now))
     ]
     for name in made:
         authority.issue(name, days)
@@ -134,3 +134,6 @@ if __name__ == "__main__":
         sys.exit(main())
     except (Refused, OSError) as error:
         sys.exit(f"deploy/security: {error}")
+    except KeyboardInterrupt:
+        print("deploy/security: stopped; the same command goes on", file=sys.stderr)
+        sys.exit(130)

@@ -7,6 +7,7 @@ certificate can issue nothing: it only signs documents."""
 
 import datetime
 import os
+import shutil
 from pathlib import Path
 
 from cryptography import x509
@@ -31,6 +32,7 @@ GOVERNANCE, PERMISSIONS = "governance.p7s", "permissions.p7s"
 REVOKED = "crl.pem"
 
 FOLDER = "authority"
+STAGED = f".{FOLDER}"  # what a run that was stopped may leave
 YEARS = datetime.timedelta(days=3650)
 DAY = datetime.timedelta(days=1)  # clocks differ, and permissions are in local time
 
@@ -161,14 +163,18 @@ class Authority:
         return cls(folder, identity, permissions, run, int(title.rsplit(" ", 1)[1]))
 
     def save(self):
-        at = self.folder / FOLDER
-        (at / "issued").mkdir(parents=True, exist_ok=True, mode=0o700)
-        at.chmod(0o700)
-        self._identity.save(at, "identity_ca")
-        self._permissions.save(at, "permissions_ca")
+        """All of a new authority, or nothing: half of one could not be gone on with."""
+        staged = self.folder / STAGED
+        shutil.rmtree(staged, ignore_errors=True)
+        (staged / "issued").mkdir(parents=True, mode=0o700)
+        staged.chmod(0o700)
+        self._identity.save(staged, "identity_ca")
+        self._permissions.save(staged, "permissions_ca")
+        staged.rename(self.folder / FOLDER)
 
     def issue(self, name, days):
-        """A new key, certificate and permissions in folder NAME; what was there is replaced.
+        """A new key, certificate and permissions in folder NAME; what was there is replaced. The
+        certificate goes first and comes last: an identity without one is not whole.
         @param days  a timedelta: how long they are good for."""
         key, subject = ec.generate_private_key(ec.SECP256R1()), _name(self.run, name)
         certificate = _certificate(
@@ -189,8 +195,8 @@ class Authority:
         _write(issued, pem)  # first: what is not listed cannot be revoked
         at = self.folder / name
         at.mkdir(parents=True, exist_ok=True)
+        (at / CERTIFICATE).unlink(missing_ok=True)
         _write(at / KEY, _pem(key), secret=True)
-        _write(at / CERTIFICATE, pem)
         _write(at / IDENTITY_CA, self._identity.pem())
         _write(at / PERMISSIONS_CA, self._permissions.pem())
         _write(at / GOVERNANCE, self._permissions.sign(roles.governance(self.domain)))
@@ -198,14 +204,19 @@ class Authority:
         revoked = self.folder / FOLDER / REVOKED
         if revoked.exists():
             _write(at / REVOKED, revoked.read_bytes())
+        _write(at / CERTIFICATE, pem)
 
     def names(self):
-        """Of the identities that have a folder, sorted."""
-        return sorted(path.parent.name for path in self.folder.glob(f"*/{CERTIFICATE}"))
+        """Of the identities that have a folder, whole or not, sorted."""
+        return sorted(path.parent.name for path in self.folder.glob(f"*/{KEY}"))
 
     def expires(self, name):
         """@return when the identity in folder NAME does, a datetime in UTC."""
         return _load(self.folder / name / CERTIFICATE).not_valid_after
+
+    def is_good(self, name, when):
+        """Whether folder NAME has an identity, a whole one, that is not expired. @param when  in UTC."""
+        return (self.folder / name / CERTIFICATE).exists() and self.expires(name) > when
 
     def revoke(self, names):
         """Every identity that was ever issued to one of `names` is turned away by whoever has the

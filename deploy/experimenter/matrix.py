@@ -10,7 +10,7 @@
     [evaluate]                        # of every milestone, by the deterministic policy
     episodes = 50
     seed = 1000                       # of the placements
-    placements = ["random", "mt1"]
+    placements = ["random", "mt1"]    # or "fixed": the run's own one
 
     [set]                             # configuration of every run (common/config.proto)
     "ppo.epochs" = 10
@@ -34,7 +34,7 @@ from options import METHODS, RUN_NAME, RUN_NAME_RULE
 
 TASKS = ("assembly", "bin-picking", "box-close", "push")
 ENGINES = ("2.2.2", "3.3.0")
-PLACEMENTS = ("random", "mt1")
+PLACEMENTS = ("random", "fixed", "mt1")
 _TOP = {"name", "mujoco", "tasks", "seeds", "steps", "milestones", "evaluate", "set", "arms", "task"}
 _ARM = {"method", "heads", "horizon", "steps", "seeds", "tasks", "set"}
 _TASK = {"set", "steps"}

@@ -18,9 +18,11 @@ import cells  # noqa: E402
 import exchange  # noqa: E402
 import policies  # noqa: E402
 import scores  # noqa: E402
+import stops  # noqa: E402
 import style  # noqa: E402
 import tables  # noqa: E402
 import terminal  # noqa: E402
+import whole_files  # noqa: E402
 from draw import blocks, controls, efficiency, final, heads, learning  # noqa: E402
 from folders import shown, usable  # noqa: E402
 from names import arms_of, tasks_of  # noqa: E402
@@ -136,7 +138,7 @@ def write_page(path, experiments, captions, made, suffix):
         parts += [f"## {name}", f"![{name}]({image_of(name, suffix)})", caption]
     for name, table in made.items():
         parts += [f"## Table: {name}", table]
-    path.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    whole_files.write(path, "\n\n".join(parts) + "\n")
     print(f"  {shown(path)}", flush=True)
 
 
@@ -156,7 +158,7 @@ def fill_page(page, blocks):
         # Up to the next mark of an end, but never over that of a beginning.
         pattern = re.compile(rf"(<!-- {kind} {re.escape(name)} -->\n)(?:(?!<!-- ).)*(<!-- end -->)", re.DOTALL)
         text = pattern.sub(lambda match: f"{match[1]}\n{block}\n\n{match[2]}", text)
-    page.write_text(text, encoding="utf-8")
+    whole_files.write(page.resolve(), text)  # a link stays one
     print(f"  {shown(page)}", flush=True)
 
 
@@ -170,6 +172,7 @@ def page_blocks(options, captions, made):
 def main():
     terminal.prepare()
     parser, options = parse_arguments()
+    stops.exit_on_stop()
     terminal.never_block()  # its work is the files
     try:
         usable(options.out)
@@ -214,4 +217,7 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(130)

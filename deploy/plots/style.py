@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D  # noqa: E402
 from PIL import Image  # noqa: E402
 
 import names  # noqa: E402
+import whole_files  # noqa: E402
 
 GREY = "#666666"
 _NO_METADATA = {
@@ -77,10 +78,11 @@ def note(ax, text):
 
 
 def save(figure, path):
-    if path.suffix == ".png":
-        _save_png(figure, path)
-    else:
-        figure.savefig(path, metadata=_NO_METADATA[path.suffix[1:]])
+    with whole_files.replacing(path) as partial:
+        if path.suffix == ".png":
+            _save_png(figure, partial)
+        else:
+            figure.savefig(partial, metadata=_NO_METADATA[path.suffix[1:]])
     plt.close(figure)
 
 

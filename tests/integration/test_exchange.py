@@ -2,10 +2,13 @@
 
 import csv
 import shutil
+import signal
+import time
+from pathlib import Path
 
 import pytest
 
-from harness import ACTOR, BUILD, ROOT
+from harness import ACTOR, BUILD, DEADLINE, ROOT
 
 EVALUATE = ("--episodes", 2, "--seed", 4711, "--json")
 
@@ -72,3 +75,31 @@ def test_rows_of_another_evaluation_are_not_mixed(stage, checkpoint, tmp_path):
     assert other.wait() == 1, other
     assert "two.csv has rows of seed 4711, not 1" in other.text
     assert (tmp_path / "two.csv").read_bytes() == before
+
+
+def commands_with(*words):
+    """Command lines of processes that have all of these words."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            command = path.read_text(errors="replace").split("\0")
+        except OSError:
+            continue  # it has ended
+        if set(words) <= set(command):
+            found.append(command)
+    return found
+
+
+def test_other_placements_than_in_training_are_said_and_a_stop_ends_the_evaluation_too(stage, tmp_path):
+    stage.train("fixed", "--placements", "fixed", "--heads", "2")
+    checkpoint = shutil.copy(stage.latest("fixed"), tmp_path / "fixed.ckpt")
+    evaluation = ("evaluate", str(checkpoint), "1000000")
+    exchanging = exchange(stage, checkpoint, tmp_path, "--episodes", 1000000)
+    exchanging.expect_text("warning: fixed: trained with placements fixed")
+    deadline = time.monotonic() + DEADLINE
+    while not commands_with(*evaluation):
+        assert time.monotonic() < deadline, exchanging
+        time.sleep(0.01)
+    exchanging.signal(signal.SIGTERM)
+    assert exchanging.wait(30) == 128 + signal.SIGTERM, exchanging
+    assert commands_with(*evaluation) == []

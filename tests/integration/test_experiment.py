@@ -94,6 +94,20 @@ def test_it_makes_every_cell_once(stage):
     assert listed.wait() == 0 and listed.text.count("done") == 2, listed
 
 
+def test_runs_on_one_placement_are_evaluated_on_it(stage):
+    text = FILE.replace('["random", "mt1"]', '["fixed"]').replace("[set]", '[set]\n"environment.placements" = "fixed"')
+    place = Place(stage, text=text)
+    made = place.start("--cells", "push-ppo-*")
+    assert made.wait() == 0, made
+    *_, last = rows(place.results / "small" / "push-ppo-s7" / "evaluation.csv")
+    assert (last["update"], last["placements"]) == ("8", "fixed")
+    by_hand = stage.start(ACTOR, "evaluate", "--json", "--placements", "fixed", "--checkpoint",
+                          place.runs / "small" / "push-ppo-s7" / "checkpoints" / "latest")
+    assert by_hand.wait() == 0, by_hand
+    assert float(last["return"]) == by_hand.json()["return"]
+    assert "trained with" not in (place.runs / "small" / "push-ppo-s7.log").read_text()
+
+
 def test_a_cell_is_the_run_that_its_command_makes(stage):
     place = Place(stage)
     made = place.start("--cells", "push-ppo-*")

@@ -53,6 +53,45 @@ def secured(folder):
     return ("--security", folder)
 
 
+class Stopped(Exception):
+    """In place of a signal."""
+
+
+def whole_identities(folder):
+    """Names of the identities that are whole; their keys and certificates must fit."""
+    found = set()
+    for path in folder.glob(f"*/{authority.CERTIFICATE}"):
+        certificate = authority.x509.load_pem_x509_certificate(path.read_bytes())
+        key = authority.load_pem_private_key((path.parent / authority.KEY).read_bytes(), None)
+        public = certificate.public_key().public_numbers()
+        assert key.public_key().public_numbers() == public, path.parent.name
+        assert {file.name for file in path.parent.iterdir()} >= {authority.GOVERNANCE, authority.PERMISSIONS}
+        found.add(path.parent.name)
+    return found
+
+
+@pytest.mark.parametrize("writes", [0, 2, 4, 6, 10, 13, 17])
+def test_credentials_whose_making_was_stopped_are_gone_on_with(tmp_path, monkeypatch, writes):
+    folder, done = tmp_path / "identities", []
+
+    def write(path, data, secret=False, whole=authority._write):
+        if len(done) == writes:
+            raise Stopped
+        done.append(path)
+        whole(path, data, secret)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(authority, "_write", write)
+        with pytest.raises(Stopped):
+            made = authority.Authority.make(folder, "run", 0)
+            made.save()
+            made.issue("learner", authority.datetime.timedelta(days=1))
+            made.issue("learner", authority.datetime.timedelta(days=1))  # renewed
+    whole_identities(folder)
+    make(folder, "run", 0)
+    assert whole_identities(folder) == {"learner", "observer", "actor-0"}
+
+
 @pytest.mark.parametrize("transport", ["udp", "shm"])
 def test_a_secured_run_ends_with_the_weights_of_an_unsecured_one(
     stage, identities, expected, transport

@@ -122,6 +122,15 @@ TEST_F(TraceTest, ReadsPlainFilesAndThoseWithoutWhatStepReturned) {
   EXPECT_EQ(Lines(run.out).size(), 3U);
 }
 
+TEST_F(TraceTest, ReadsWhatEditorsOfOtherSystemsSave) {
+  const std::string plain = PlainText();
+  std::string saved = "\xEF\xBB\xBF";
+  for (const char c : plain) saved += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  const Run run = Trace({"push", Write(saved), "forced", ""});
+  EXPECT_EQ(run.status, 0) << run.error;
+  EXPECT_EQ(run.out, Trace({"push", Write(plain), "forced", ""}).out);
+}
+
 TEST_F(TraceTest, AMissingRecordingIsRefused) {
   ExpectRefused("/nowhere/recording.csv", "cannot be opened");
 }

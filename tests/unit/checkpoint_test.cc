@@ -555,6 +555,35 @@ TEST_F(FilesTest, WhatIsNoRegularFileIsNotReplaced) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2) << "something is left over";
 }
 
+TEST_F(FilesTest, AProcessThatIsKilledAmidWritingLeavesTheOldContentAndNothingElse) {
+  const fs::path file = folder_ / "file";
+  for (const bool there : {false, true}) {
+    if (there) std::ofstream(file) << "old";
+    const pid_t child = fork();
+    if (child == 0) {
+      const rlimit limit{4096, 4096};  // the signal that tells of it ends the process
+      setrlimit(RLIMIT_FSIZE, &limit);
+      std::signal(SIGXFSZ, SIG_DFL);
+      WriteFileAtomically(file, std::string(8192, 'n'));
+      _exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status)) << status;
+    EXPECT_EQ(fs::exists(file) ? ReadFile(file) : "none", there ? "old" : "none");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), there ? 1 : 0);
+  }
+}
+
+TEST_F(FilesTest, AnOldFileIsReplaced) {
+  const fs::path file = folder_ / "file";
+  for (const char* content : {"first", "second"}) {
+    WriteFileAtomically(file, content);
+    EXPECT_EQ(ReadFile(file), content);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+  }
+}
+
 TEST_F(FilesTest, AFileIsWrittenThroughItsLink) {
   const fs::path file = folder_ / "file";
   const fs::path link = folder_ / "link";

@@ -14,6 +14,8 @@
 
 #include "actor/metaworld/task_table.h"
 #include "actor/rollout.h"
+#include "actor/training_differences.h"
+#include "common/build_info.h"
 #include "common/config.h"
 #include "common/head_schedule.h"
 #include "common/network.h"
@@ -44,16 +46,16 @@ TEST(WilsonIntervalTest, AgreesWithPublishedValues) {
 
 TEST(EvaluationPlacementTest, IsDrawnByNoTrainingRun) {
   EvaluateOptions options;
+  RunConfig config;
+  config.mutable_environment()->set_task("push");
   std::set<metaworld::RandVec> evaluation;
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     options.seed = seed;
     for (std::uint64_t i = 0; i < 50; ++i) {
-      evaluation.insert(EvaluationPlacement(options, "push", i));
+      evaluation.insert(EvaluationPlacement(options, config, i));
     }
   }
   EXPECT_EQ(evaluation.size(), 150U);
-  RunConfig config;
-  config.mutable_environment()->set_task("push");
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     config.set_seed(seed);
     for (std::uint64_t number = 0; number < 50; ++number) {
@@ -72,6 +74,110 @@ TEST(TrainingPlacementTest, FixedIsOneForTheRunAndRandomOneForEachEpisode) {
   const auto of_seed_one = TrainingPlacement(config, 0);
   config.set_seed(2);
   EXPECT_NE(TrainingPlacement(config, 0), of_seed_one);
+}
+
+Checkpoint TrainedOn(Placements placements, std::uint64_t seed) {
+  Checkpoint checkpoint;
+  checkpoint.config.set_seed(seed);
+  checkpoint.config.mutable_environment()->set_task("push");
+  checkpoint.config.mutable_environment()->set_placements(placements);
+  checkpoint.config = Resolve(checkpoint.config);
+  checkpoint.engine = EngineName();
+  checkpoint.build = BuildIdentity();
+  return checkpoint;
+}
+
+EvaluateOptions With(const std::string& placements, std::uint64_t seed) {
+  EvaluateOptions options;
+  options.placements = placements;
+  options.seed = seed;
+  return options;
+}
+
+std::vector<std::string> Differences(const Checkpoint& checkpoint, const EvaluateOptions& options) {
+  return DifferencesFromTraining(checkpoint, options, ConfigToEvaluate(checkpoint, options));
+}
+
+TEST(EvaluationPlacementTest, FixedIsTheRunsOwnWhateverTheEvaluationsSeed) {
+  const Checkpoint checkpoint = TrainedOn(PLACEMENTS_FIXED, 7);
+  const auto own = TrainingPlacement(checkpoint.config, 12);
+  for (const std::uint64_t seed : {1U, 8U}) {
+    EvaluateOptions options = With("fixed", seed);
+    const RunConfig config = ConfigToEvaluate(checkpoint, options);
+    EXPECT_EQ(EvaluationPlacement(options, config, 0), own);
+    EXPECT_EQ(EvaluationPlacement(options, config, 3), own);
+    options.task = "box-close-v3";
+    RunConfig elsewhere = checkpoint.config;
+    elsewhere.mutable_environment()->set_task("box-close");
+    EXPECT_EQ(EvaluationPlacement(options, ConfigToEvaluate(checkpoint, options), 0),
+              TrainingPlacement(elsewhere, 0));
+  }
+}
+
+TEST(DifferentEpisodesTest, FixedPlacementsMakeOneUnlessHeadsAreShuffled) {
+  Checkpoint checkpoint = TrainedOn(PLACEMENTS_FIXED, 7);
+  EvaluateOptions options = With("fixed", 1);
+  EXPECT_EQ(DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options)), 1);
+  options.placements = "mt1";
+  EXPECT_EQ(DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options)), 50);
+  options.placements = "random";
+  EXPECT_EQ(DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options)), std::nullopt);
+  options.placements = "fixed";
+  checkpoint.config.mutable_policy()->set_schedule(SCHEDULE_SHUFFLED);
+  EXPECT_EQ(DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options)), std::nullopt);
+  options.head_order = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  EXPECT_EQ(DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options)), 1);
+}
+
+TEST(DifferencesFromTrainingTest, AreNoneWhereAllIsAsInTraining) {
+  EXPECT_TRUE(Differences(TrainedOn(PLACEMENTS_RANDOM, 7), With("random", 1)).empty());
+  EXPECT_TRUE(Differences(TrainedOn(PLACEMENTS_FIXED, 7), With("fixed", 1)).empty());
+  EXPECT_TRUE(Differences(TrainedOn(PLACEMENTS_MT1, 7), With("mt1", 7)).empty());
+  EvaluateOptions own_blocks = With("random", 1);
+  own_blocks.head_order = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  EXPECT_TRUE(Differences(TrainedOn(PLACEMENTS_RANDOM, 7), own_blocks).empty());
+}
+
+TEST(DifferencesFromTrainingTest, AreNamedWithTheOptionsThatPlayAsInTraining) {
+  using Sentences = std::vector<std::string>;
+  EXPECT_EQ(Differences(TrainedOn(PLACEMENTS_FIXED, 7), With("random", 1)),
+            Sentences{"trained with placements fixed, evaluated with placements random (as in "
+                      "training: --placements fixed)"});
+  EXPECT_EQ(Differences(TrainedOn(PLACEMENTS_MT1, 7), With("random", 1)),
+            Sentences{"trained with placements mt1, evaluated with placements random (as in "
+                      "training: --placements mt1 --seed 7)"});
+  EXPECT_EQ(Differences(TrainedOn(PLACEMENTS_MT1, 7), With("mt1", 1)),
+            Sentences{"trained on the mt1 placements of seed 7, evaluated on those of seed 1 (as "
+                      "in training: --seed 7)"});
+}
+
+TEST(DifferencesFromTrainingTest, AreAllNamed) {
+  Checkpoint checkpoint = TrainedOn(PLACEMENTS_FIXED, 7);
+  checkpoint.engine = "mujoco-1";
+  checkpoint.build = "metronome 0.0.9, gcc 1, -O1, glibc 1";
+  EvaluateOptions options = With("random", 1);
+  options.task = "assembly";
+  options.head_order = {9, 1, 2, 3, 4, 5, 6, 7, 8, 0};
+  RunConfig played = ConfigToEvaluate(checkpoint, options);
+  played.mutable_environment()->set_horizon(400);
+  played.mutable_environment()->set_goal_visible(false);
+  std::string all;
+  for (const std::string& sentence : DifferencesFromTraining(checkpoint, options, played)) {
+    all += sentence + '\n';
+  }
+  for (const char* words :
+       {"task push, evaluated with task assembly", "placements fixed", "horizon 500, evaluated",
+        "goal_visible true, evaluated", "in the order 9, 1, 2, 3, 4, 5, 6, 7, 8, 0",
+        "on mujoco-1, evaluated", "metronome 0.0.9", "-O1", "glibc 1, "}) {
+    EXPECT_NE(all.find(words), std::string::npos) << words << " in\n" << all;
+  }
+}
+
+TEST(DifferencesFromTrainingTest, ABuildThatDidNotNameAllItsPartsIsNoOther) {
+  Checkpoint checkpoint = TrainedOn(PLACEMENTS_RANDOM, 7);
+  const std::size_t part = checkpoint.build.find(", eigen");
+  checkpoint.build.erase(part, checkpoint.build.find(", glibc") - part);
+  EXPECT_TRUE(Differences(checkpoint, With("random", 1)).empty());
 }
 
 /// Succeeds at the steps (counted from 1) that it is told to, and pays a reward of 1 a step.
@@ -238,7 +344,7 @@ TEST(RunEvaluateTest, NamesWhatIsWrongWithItsOptions) {
   EXPECT_NE(fail(options, 2).find("--episodes"), std::string::npos);
   options.episodes = 1;
   options.placements = "mt2";
-  EXPECT_NE(fail(options, 2).find("random, mt1"), std::string::npos);
+  EXPECT_NE(fail(options, 2).find("random, fixed, mt1"), std::string::npos);
 }
 
 }  // namespace
