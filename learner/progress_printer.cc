@@ -45,6 +45,7 @@ void ProgressPrinter::Started(std::uint64_t version, std::uint64_t steps) {
                 {"transport", facts_.transport},
                 {"network", facts_.network},
                 {"discovery_server", facts_.discovery_server},
+                {"placements", facts_.placements},
                 {"security", facts_.security}}));
   }
 }

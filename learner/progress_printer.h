@@ -21,7 +21,8 @@ struct RunFacts {
   std::string transport;
   std::string discovery_server;
   std::uint32_t domain = 0;
-  std::string security;  // folder of the learner's identity; empty: none
+  std::string placements;  // where objects start: "fixed", say
+  std::string security;    // folder of the learner's identity; empty: none
 };
 
 /// The progress of `run`: lines for people, one JSON object a line for programs, or nothing. JSON

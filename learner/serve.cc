@@ -13,6 +13,7 @@
 #include "common/build_info.h"
 #include "common/checkpoint.h"
 #include "common/config.h"
+#include "common/config_fields.h"
 #include "common/cpu_count.h"
 #include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
@@ -150,6 +151,8 @@ RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
   facts.domain = options.config.runtime().domain();
   facts.transport = options.config.runtime().transport();
   facts.network = options.config.runtime().network();
+  facts.placements = FieldText(options.config.environment(),
+                               *EnvironmentConfig::descriptor()->FindFieldByName("placements"));
   facts.security = options.config.runtime().security();
   facts.discovery_server = options.config.runtime().discovery_server();
   return facts;

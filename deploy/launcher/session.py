@@ -291,7 +291,9 @@ class Session:
         newest = f" -> {os.readlink(latest)}" if latest.is_symlink() else ""
         print(f"  checkpoint  {shown(latest)}{newest}")
         evaluate = [shown(options.build / "bin" / "metronome-actor"), "evaluate"]
-        print(f"  evaluate    {shlex.join([*evaluate, '--checkpoint', shown(latest)])}")
+        # The one placement that the run knows.
+        where = ["--placements", "fixed"] if self._started.get("placements") == "fixed" else []
+        print(f"  evaluate    {shlex.join([*evaluate, '--checkpoint', shown(latest), *where])}")
         if not done:
             print(f"  go on       {command_line.resume_command(options)}")
 

@@ -59,6 +59,12 @@ def test_it_trains_to_the_end_and_says_where_the_results_are(stage):
     assert stage.inspect(stage.latest("run"))["steps"] == STEPS
 
 
+def test_a_run_of_one_placement_is_evaluated_on_it(stage):
+    launcher = train(stage, "--run", "run", "--placements", "fixed")
+    assert launcher.wait() == 0, launcher
+    assert "/checkpoints/latest --placements fixed\n" in launcher.text + "\n", launcher
+
+
 def test_the_default_name_is_new_each_time(stage):
     for _ in range(2):
         launcher = train(stage)
