@@ -16,6 +16,7 @@
 #include "common/config.h"
 #include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
+#include "common/dds/machine.h"
 #include "common/dds/security.h"
 #include "common/logging.h"
 #include "common/process_identity.h"
@@ -213,6 +214,7 @@ std::unique_ptr<MetricsServer> MetricsServerOf(const RunConfig& config) {
 
 int Serve(const RunOptions& options, StopTarget& target) {
   const BusOptions bus_options = BusOptionsOf(options);
+  CheckMachine(bus_options, "learner");
   const auto metrics = MetricsServerOf(options.config);
   RunFolder folder(options.folder);
   Start start = StartOf(options);

@@ -1,7 +1,10 @@
 """Bad input is named, with the remedy, before anything starts; usage errors exit 2."""
 
+import contextlib
+
 import pytest
 
+import namespaces
 from harness import ACTOR, LEARNER
 
 
@@ -106,3 +109,23 @@ def test_help_is_there_for_every_command(stage, program):
     for command in commands:
         assert command in overview.text, overview
         assert stage.start(program, command, "--help").wait(30) == 0
+
+
+@pytest.mark.skipif(
+    namespaces.unavailable() is not None, reason=str(namespaces.unavailable())
+)
+def test_a_name_with_ipv6_addresses_alone_is_said_to_have_them(stage, tmp_path):
+    hosts = tmp_path / "hosts"
+    hosts.write_text("2001:db8::7 node-7\n", encoding="utf-8")
+    with contextlib.closing(namespaces.Mounts(f"mount --bind {hosts} /etc/hosts")) as machine:
+        for options in (
+            ("--network", "node-7"),
+            ("--network", "lan", "--discovery-server", "node-7"),
+        ):
+            for process in (
+                stage.learner("run", *options, host=machine),
+                stage.actor("run", *options, host=machine),
+                stage.status("run", *options, host=machine),
+            ):
+                assert process.wait(30) == 2, process
+                assert "node-7': that host has IPv6 addresses alone" in process.text, process

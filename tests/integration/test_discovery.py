@@ -47,3 +47,19 @@ def test_an_actor_cut_off_in_any_direction_plays_on_when_the_link_is_back(
     if direction != "from":
         actor.expect_text("the learner is back", seconds=15)
     learner.expect_update(learner.updates() + 5, seconds=15)
+
+
+@pytest.mark.parametrize("transport", ["udp", "shm", "tcp"])
+def test_a_loopback_interface_that_is_down_is_named_with_the_remedy(stage, network, transport):
+    here = network.host("here")
+    here.run("ip", "link", "set", "lo", "down")
+    way = ("--transport", transport)
+    for process in (
+        stage.learner("run", *way, host=here),
+        stage.actor("run", *way, host=here),
+        stage.status("run", *way, host=here),
+    ):
+        assert process.wait(20) == 2, process
+        assert "the loopback interface is down" in process.text, process
+        assert "ip link set lo up" in process.text, process
+    assert not (stage.runs / "run").exists()
