@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <stdexcept>
+#include <string>
 
 #include "common/dds/participant_qos.h"
 #include "common/dds/shared_memory.h"
@@ -14,6 +15,8 @@
 namespace metronome {
 namespace dds {
 namespace {
+
+constexpr const char* kRemedy = "ip link set lo up (as root)";
 
 /// Whether an interface has an IPv4 address and all of `flags`, and is loopback or not as asked;
 /// also if that cannot be known.
@@ -36,14 +39,21 @@ bool IsThere(unsigned flags, bool loopback) {
 void CheckLoopback(const Network& network) {
   if (network.scope != Network::Scope::kLoopback || IsThere(IFF_UP, true)) return;
   throw std::invalid_argument(
-      "the loopback interface is down, and network loopback needs it: ip link set lo up (as root)");
+      std::string("the loopback interface is down, and network loopback needs it: ") + kRemedy);
 }
 
-void WarnWithoutANetwork(const Network& network) {
-  if (network.scope == Network::Scope::kLoopback || IsThere(IFF_RUNNING, false)) return;
-  spdlog::warn(
-      "no network interface but loopback is up: this process can be found on this machine alone, "
-      "also later; start it again once the network is up");
+void WarnOfInterfaces(const Network& network) {
+  if (network.scope == Network::Scope::kLoopback) return;
+  if (!IsThere(IFF_UP, true)) {
+    spdlog::warn(
+        "the loopback interface is down: processes of this machine do not reach each other; {}",
+        kRemedy);
+  }
+  if (!IsThere(IFF_RUNNING, false)) {
+    spdlog::warn(
+        "no interface to a network is up: this process can be found on this machine alone, also "
+        "later; start it again once the network is up");
+  }
 }
 
 }  // namespace dds

@@ -19,8 +19,9 @@ namespace dds {
 /// @throws std::invalid_argument, with the remedy, if the network is loopback and it is down.
 void CheckLoopback(const Network& network);
 
-/// Fast DDS takes a participant's addresses once, when it is made.
-void WarnWithoutANetwork(const Network& network);
+/// Of interfaces that are down, on a network: Fast DDS takes a participant's addresses once, when
+/// it is made.
+void WarnOfInterfaces(const Network& network);
 
 }  // namespace dds
 }  // namespace metronome

@@ -109,7 +109,7 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
   TakeOverLog();
   WarnOfIgnoredSurroundings();
   SwitchIntraprocessDeliveryOff();
-  WarnWithoutANetwork(options.network);
+  WarnOfInterfaces(options.network);
   if (options.transport == Transport::kSharedMemory) {
     memory_.emplace(options.run_name, options.domain, SegmentBytes(role));
   }

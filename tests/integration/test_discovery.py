@@ -22,7 +22,17 @@ def test_a_learner_that_starts_before_its_network_says_so(stage, network):
         *here.process(LEARNER, "run", "--run", "run", "--runs", stage.runs, *SMALL),
         *("--network", "lan"),
     )
-    learner.expect_text("no network interface but loopback is up")
+    learner.expect_text("no interface to a network is up")
+    assert "loopback interface" not in learner.text, learner
+
+
+def test_a_learner_on_a_network_says_that_loopback_is_down(stage, network):
+    here = network.host("learner")
+    here.run("ip", "link", "set", "lo", "down")
+    learner = stage.learner("run", "--network", "lan", host=here)
+    learner.expect_text("the loopback interface is down: processes of this machine do not reach")
+    learner.expect_event("started")
+    assert "no interface to a network" not in learner.text, learner
 
 
 @pytest.mark.parametrize("direction", ["to", "from", "both"])

@@ -2,11 +2,12 @@
 current folder by itself is not used."""
 
 import json
+import signal
 from pathlib import Path
 
 import pytest
 
-from harness import parse_json
+from harness import BUILD, parse_json
 
 # Of a ROS 2 user: Fast DDS would make a client of a server that is not there.
 NOBODY = "127.0.0.1:11999"
@@ -124,6 +125,24 @@ def test_a_learner_in_calm_surroundings_is_found_from_harmful_ones(stage, tmp_pa
     assert parse_json(status.output[-1])["run_name"] == "run"
 
 
+def test_fast_dds_is_given_nothing_and_asks_for_no_more_than_is_taken_from_it(stage, tmp_path):
+    taken = {
+        **discovery_server(tmp_path),
+        **discovery_server_from_a_file(tmp_path),
+        **profiles(tmp_path),
+        **statistics(tmp_path),
+    }
+    library = BUILD.resolve() / "tests" / "integration" / "libenvironment_asked.so"
+    harmed = Surroundings(tmp_path, LD_PRELOAD=library, **taken)
+    learner = stage.learner("run", host=harmed)
+    actor = stage.actor("run", host=harmed)
+    stage.finish("run", learner, [actor])
+    expected = {f"{name}: (nothing)" for name in taken} | {"SKIP_DEFAULT_XML_FILE: 1"}
+    for process in (learner, actor):
+        asked = {line.split("asks for ")[1] for line in process.lines if "asks for" in line}
+        assert asked == expected, process
+
+
 def test_the_servers_of_the_options_are_those_that_count(stage, tmp_path, expected):
     port = 12000 + stage.domain
     server = stage.start("fast-discovery-server", "-i", "0", "-l", "127.0.0.1", "-p", port)
@@ -133,3 +152,5 @@ def test_the_servers_of_the_options_are_those_that_count(stage, tmp_path, expect
     learner = stage.learner("run", *way, host=harmed)
     actor = stage.actor("run", *way, host=harmed)
     assert stage.finish("run", learner, [actor]) == expected
+    server.signal(signal.SIGINT)  # killed, it would leave shared memory
+    server.wait(20)
