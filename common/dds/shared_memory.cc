@@ -120,12 +120,9 @@ void RemoveLeftovers(const std::string& prefix) {
 std::set<std::string> MappedSegments() {
   std::set<std::string> names;
   std::ifstream maps("/proc/self/maps");
-  const std::string folder = std::string(kFolder) + "/";
   for (std::string line; std::getline(maps, line);) {
-    const std::size_t at = line.find(folder);
-    if (at == std::string::npos) continue;
-    const std::string name = line.substr(at + folder.size());
-    if (IsFileName(name) && name.find("port") == std::string::npos) names.insert(name);
+    const std::string name = line.substr(line.rfind('/') + 1);
+    if (IsSegment(name)) names.insert(name);
   }
   return names;
 }
@@ -149,19 +146,21 @@ std::string ErrorOf(const std::string& path) {
 }
 
 [[noreturn]] void Refuse(const std::string& why) {
-  throw std::invalid_argument(
-      "no shared memory: " + why +
-      ". Ways out: --transport udp, which needs none; a larger /dev/shm (of a container: "
-      "--shm-size=1g); fewer processes; fastdds shm clean, which removes what killed programs "
-      "left");
+  throw std::invalid_argument("no shared memory: " + why + ". --transport udp needs none");
+}
+
+[[noreturn]] void RefuseWithoutRoom(std::uint32_t bytes) {
+  Refuse(std::string(kFolder) + " has room for " + Megabytes(FreeBytes()) +
+         ", this process needs " + Megabytes(bytes) +
+         ". Make it larger (of a container: --shm-size=1g), start fewer processes, or remove what "
+         "killed programs left there: fastdds shm clean (of Debian's fastdds-tools)");
 }
 
 // What follows is the signal's usual end.
 void SayWhatItMeans(int /*signal*/) {
   constexpr std::string_view kText =
       "SIGBUS: memory that is mapped from a file is not there: /dev/shm was filled or emptied "
-      "while "
-      "this process used it (--transport udp does not), or a file of the program changed\n";
+      "while this process used it (--transport udp does not), or a file of the program changed\n";
   [[maybe_unused]] const auto written = write(STDERR_FILENO, kText.data(), kText.size());
 }
 
@@ -207,9 +206,8 @@ void SharedMemoryNote::RequireRoom(std::uint32_t bytes) {
   const int error = posix_fallocate(file_.get(), 0, bytes);
   if (error == 0 && ftruncate(file_.get(), 0) == 0) return;
   unlink(path_.c_str());
-  if (error != ENOSPC) Refuse(path_ + ": " + std::generic_category().message(error));
-  Refuse(std::string(kFolder) + " has room for " + Megabytes(FreeBytes()) +
-         ", this process needs " + Megabytes(bytes));
+  if (error == ENOSPC) RefuseWithoutRoom(bytes);
+  Refuse(path_ + ": " + std::generic_category().message(error));
 }
 
 SharedMemoryNote::~SharedMemoryNote() { unlink(path_.c_str()); }
@@ -217,7 +215,7 @@ SharedMemoryNote::~SharedMemoryNote() { unlink(path_.c_str()); }
 void SharedMemoryNote::Write() {
   std::string names = PortFiles();
   for (const std::string& segment : MappedSegments()) {
-    names += segment + "\n" + segment + std::string(kLock) + "\n";
+    names.append(segment).append("\n").append(segment).append(kLock).append("\n");
   }
   Note(names);
   turn_ = LockedFile();

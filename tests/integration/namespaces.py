@@ -18,6 +18,12 @@ def unavailable():
     return None
 
 
+def mounts_unavailable():
+    """@return why a process cannot have mounts of its own here, or None."""
+    made = subprocess.run(["unshare", "--mount", "true"], capture_output=True, text=True)
+    return f"no mounts of one's own here: {made.stderr.strip()}" if made.returncode else None
+
+
 def _run(*command):
     done = subprocess.run(
         [str(word) for word in command], capture_output=True, text=True, check=False

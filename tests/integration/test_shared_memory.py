@@ -9,10 +9,14 @@ import namespaces
 from harness import ENDLESS, parse_json
 
 SHM = ("--transport", "shm")
-WAYS_OUT = ("--transport udp", "--shm-size", "fastdds shm clean")
+WAYS_OUT = ("--shm-size", "start fewer processes", "fastdds shm clean")
+EMPTY_DEV = (
+    "mount -t tmpfs dev /dev",
+    *(f"mknod -m 666 /dev/{node}" for node in ("null c 1 3", "urandom c 1 9")),
+)
 
 pytestmark = pytest.mark.skipif(
-    namespaces.unavailable() is not None, reason=str(namespaces.unavailable())
+    namespaces.mounts_unavailable() is not None, reason=str(namespaces.mounts_unavailable())
 )
 
 
@@ -32,7 +36,7 @@ def files_of(mounts):
 
 def assert_refused(process, *words):
     assert process.wait(30) == 2, process
-    for word in (*words, *WAYS_OUT):
+    for word in (*words, "--transport udp needs none"):
         assert word in process.text, process
 
 
@@ -59,7 +63,7 @@ def test_of_actors_that_start_at_once_those_run_that_fit_and_the_others_are_refu
         refused = [actor for actor in team if "no shared memory" in actor.text]
         assert len(refused) == 3
         for actor in refused:
-            assert_refused(actor, "/dev/shm has room for", "needs 17 MB")
+            assert_refused(actor, "/dev/shm has room for", "needs 17 MB", *WAYS_OUT)
         learner.expect_update(learner.updates() + 5)
         learner.signal(signal.SIGINT)
         assert learner.wait() == 130, learner
@@ -68,7 +72,7 @@ def test_of_actors_that_start_at_once_those_run_that_fit_and_the_others_are_refu
 def test_a_learner_without_room_begins_no_run(stage):
     with machine("16m") as small:
         learner = stage.learner("run", *SHM, host=small)
-        assert_refused(learner, "/dev/shm has room for 16 MB, this process needs 17 MB")
+        assert_refused(learner, "/dev/shm has room for 16 MB, this process needs 17 MB", *WAYS_OUT)
         assert not (stage.runs / "run").exists()
         assert not files_of(small)
 
@@ -101,6 +105,27 @@ def test_a_process_whose_memory_is_taken_away_says_so_and_dies_of_it(stage):
         for process in (learner, actor):
             assert process.wait(30) == -signal.SIGBUS, process
             process.expect_text("SIGBUS: memory that is mapped from a file is not there")
+
+
+def test_a_folder_that_is_not_there_is_named(stage):
+    with machine("64m", *EMPTY_DEV) as small:
+        actor = stage.actor("run", *SHM, host=small)
+        assert_refused(actor, "/dev/shm: No such file or directory")
+
+
+def test_a_folder_that_is_elsewhere_is_cleaned_too(stage, tmp_path):
+    elsewhere = tmp_path / "shm"
+    elsewhere.mkdir()
+    with machine("64m", *EMPTY_DEV, f"ln -s {elsewhere} /dev/shm") as small:
+        learner = stage.learner("run", *SHM, host=small)
+        learner.expect_event("started")
+        learner.kill()
+        again = stage.learner("run", "--resume", *SHM, host=small)
+        again.expect_event("started")
+        again.expect_text("removed 5 shared-memory files that 1 killed process of this run left")
+        again.signal(signal.SIGINT)
+        again.wait()
+        assert not list(elsewhere.iterdir())
 
 
 def test_udp_and_tcp_do_not_need_it(stage):

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from harness import BUILD, parse_json
+from harness import BUILD, EPISODES, HORIZON, parse_json, small
 
+UPDATES = 2
+SHORT = small(UPDATES * EPISODES * HORIZON)
 # Of a ROS 2 user: Fast DDS would make a client of a server that is not there.
 NOBODY = "127.0.0.1:11999"
 HARMFUL = """<?xml version="1.0"?>
@@ -49,7 +51,7 @@ class Surroundings:
 
 @pytest.fixture(scope="module")
 def expected(module_stage):
-    return module_stage.train("calm")
+    return module_stage.train("calm", small=SHORT)
 
 
 def discovery_server(folder):
@@ -98,9 +100,9 @@ def test_a_run_ends_with_the_same_weights_and_says_what_is_not_used(
     harmed = Surroundings(tmp_path, **harm(tmp_path))
     there = set(tmp_path.iterdir())
     names = [*harm(tmp_path), *(path.name for path in there if path.name.startswith("DEFAULT"))]
-    learner = stage.learner("run", host=harmed)
+    learner = stage.learner("run", small=SHORT, host=harmed)
     actor = stage.actor("run", host=harmed)
-    assert stage.finish("run", learner, [actor]) == expected
+    assert stage.finish("run", learner, [actor], UPDATES) == expected
     for process in (learner, actor):
         process.expect_text(f"not used: {names[0]}")
         assert "Fast DDS" not in process.text, process
@@ -111,9 +113,9 @@ def test_a_run_ends_with_the_same_weights_and_says_what_is_not_used(
 def test_other_transports_keep_clear_of_the_environment_too(stage, tmp_path, expected, transport):
     harmed = Surroundings(tmp_path, **discovery_server(tmp_path))
     way = ("--transport", transport)
-    learner = stage.learner("run", *way, host=harmed)
+    learner = stage.learner("run", *way, small=SHORT, host=harmed)
     actor = stage.actor("run", *way, host=harmed)
-    assert stage.finish("run", learner, [actor]) == expected
+    assert stage.finish("run", learner, [actor], UPDATES) == expected
 
 
 def test_a_learner_in_calm_surroundings_is_found_from_harmful_ones(stage, tmp_path):
@@ -134,9 +136,9 @@ def test_fast_dds_is_given_nothing_and_asks_for_no_more_than_is_taken_from_it(st
     }
     library = BUILD.resolve() / "tests" / "integration" / "libenvironment_asked.so"
     harmed = Surroundings(tmp_path, LD_PRELOAD=library, **taken)
-    learner = stage.learner("run", host=harmed)
+    learner = stage.learner("run", small=SHORT, host=harmed)
     actor = stage.actor("run", host=harmed)
-    stage.finish("run", learner, [actor])
+    stage.finish("run", learner, [actor], UPDATES)
     expected = {f"{name}: (nothing)" for name in taken} | {"SKIP_DEFAULT_XML_FILE: 1"}
     for process in (learner, actor):
         asked = {line.split("asks for ")[1] for line in process.lines if "asks for" in line}
@@ -149,8 +151,8 @@ def test_the_servers_of_the_options_are_those_that_count(stage, tmp_path, expect
     server.expect_text("server is running")
     harmed = Surroundings(tmp_path, **discovery_server(tmp_path))
     way = ("--network", "lan", "--discovery-server", f"127.0.0.1:{port}")
-    learner = stage.learner("run", *way, host=harmed)
+    learner = stage.learner("run", *way, small=SHORT, host=harmed)
     actor = stage.actor("run", *way, host=harmed)
-    assert stage.finish("run", learner, [actor]) == expected
+    assert stage.finish("run", learner, [actor], UPDATES) == expected
     server.signal(signal.SIGINT)  # killed, it would leave shared memory
     server.wait(20)
