@@ -214,7 +214,7 @@ std::unique_ptr<MetricsServer> MetricsServerOf(const RunConfig& config) {
 
 int Serve(const RunOptions& options, StopTarget& target) {
   const BusOptions bus_options = BusOptionsOf(options);
-  CheckMachine(bus_options, "learner");
+  CheckMachineOfLearner(bus_options);
   const auto metrics = MetricsServerOf(options.config);
   RunFolder folder(options.folder);
   Start start = StartOf(options);

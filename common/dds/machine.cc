@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/dds/participant_qos.h"
 #include "common/dds/shared_memory.h"
 
 namespace metronome {
@@ -58,11 +57,10 @@ void WarnOfInterfaces(const Network& network) {
 
 }  // namespace dds
 
-void CheckMachine(const BusOptions& options, const std::string& role) {
+void CheckMachineOfLearner(const BusOptions& options) {
   dds::CheckLoopback(options.network);
   if (options.transport != Transport::kSharedMemory) return;
-  const dds::SharedMemoryNote asks_for_room(options.run_name, options.domain,
-                                            dds::SegmentBytes(role));
+  const dds::SharedMemoryNote asks(options.run_name, options.domain, "learner", true);
 }
 
 }  // namespace metronome

@@ -1,18 +1,15 @@
 #pragma once
 
-#include <string>
-
 #include "common/dds/bus_options.h"
 
 /// What a participant needs of this machine.
 namespace metronome {
 
-/// To be called before anything of a run is made, so that none is started half. The bus asks again
+/// To be called before anything of a run is made, so that none is started half; the bus asks again
 /// when it is made.
-/// @param role  "learner", "actor" or "observer".
-/// @throws std::invalid_argument that names what is missing and the remedy: the loopback
-///         interface, or shared memory.
-void CheckMachine(const BusOptions& options, const std::string& role);
+/// @throws std::invalid_argument that names what is missing and the remedy: the loopback interface,
+///         or shared memory for the learner and an actor.
+void CheckMachineOfLearner(const BusOptions& options);
 
 namespace dds {
 

@@ -111,7 +111,7 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
   SwitchIntraprocessDeliveryOff();
   WarnOfInterfaces(options.network);
   if (options.transport == Transport::kSharedMemory) {
-    memory_.emplace(options.run_name, options.domain, SegmentBytes(role));
+    memory_.emplace(options.run_name, options.domain, role);
   }
   if (!options.discovery_servers.empty()) {
     discovery_.emplace(options.discovery_servers, !FindsLearnersAlone(role));

@@ -99,14 +99,18 @@ std::size_t RemoveNoted(const fs::path& note) {
   return removed;
 }
 
-void RemoveLeftovers(const std::string& prefix) {
-  std::size_t dead = 0, files = 0;
+/// @return how many processes of the run live.
+std::size_t RemoveLeftovers(const std::string& prefix) {
+  std::size_t alive = 0, dead = 0, files = 0;
   std::error_code unreadable;
   for (const auto& entry : fs::directory_iterator(kFolder, unreadable)) {
     const std::string name = entry.path().filename();
     if (!name.starts_with(prefix) || !IsProcessAndCount(name.substr(prefix.size()))) continue;
     const LockedFile note(entry.path(), O_RDONLY);
-    if (!note.TryLock()) continue;  // its process lives
+    if (!note.TryLock()) {
+      ++alive;
+      continue;
+    }
     files += RemoveNoted(entry.path());
     ++dead;
   }
@@ -114,6 +118,7 @@ void RemoveLeftovers(const std::string& prefix) {
     spdlog::info("removed {} shared-memory files that {} killed process{} of this run left", files,
                  dead, dead == 1 ? "" : "es");
   }
+  return alive;
 }
 
 /// Segments that this process has mapped: right after a participant is made, those of its own.
@@ -149,9 +154,10 @@ std::string ErrorOf(const std::string& path) {
   throw std::invalid_argument("no shared memory: " + why + ". --transport udp needs none");
 }
 
-[[noreturn]] void RefuseWithoutRoom(std::uint32_t bytes) {
-  Refuse(std::string(kFolder) + " has room for " + Megabytes(FreeBytes()) +
-         ", this process needs " + Megabytes(bytes) +
+/// @param who  with its verb.
+[[noreturn]] void RefuseWithoutRoom(const std::string& who, std::uint32_t bytes) {
+  Refuse(std::string(kFolder) + " has room for " + Megabytes(FreeBytes()) + ", " + who + " " +
+         Megabytes(bytes) +
          ". Make it larger (of a container: --shm-size=1g), start fewer processes, or remove what "
          "killed programs left there: fastdds shm clean (of Debian's fastdds-tools)");
 }
@@ -185,28 +191,33 @@ std::uint32_t SharedMemoryPort() {
 }
 
 SharedMemoryNote::SharedMemoryNote(const std::string& run_name, std::uint32_t domain,
-                                   std::uint32_t segment_bytes)
+                                   const std::string& role, bool for_an_actor_too)
     : turn_(kFolder, O_RDONLY | O_DIRECTORY) {
   static std::atomic<int> count{0};
   NameTheCauseOfSigbus();
   if (!turn_.Lock()) Refuse(ErrorOf(kFolder));
   const std::string prefix = PrefixOf(run_name, domain);
-  RemoveLeftovers(prefix);
+  const bool is_alone = RemoveLeftovers(prefix) == 0;
   path_ = std::string(kFolder) + "/" + prefix + std::to_string(getpid()) + "-" +
           std::to_string(++count);
   file_ = LockedFile(path_, O_RDWR | O_CREAT | O_TRUNC);
   if (!file_.Lock()) Refuse(ErrorOf(path_));
-  RequireRoom(segment_bytes + kPortBytes);
+  RequireRoom(role, for_an_actor_too && is_alone);
   Note(PortFiles());
 }
 
 // The note itself takes the room for a moment: what the system says of free room does not count
 // quotas and limits.
-void SharedMemoryNote::RequireRoom(std::uint32_t bytes) {
+void SharedMemoryNote::RequireRoom(const std::string& role, bool for_an_actor_too) {
+  std::uint32_t bytes = SegmentBytes(role) + kPortBytes;
+  if (for_an_actor_too) bytes += SegmentBytes(kActorRole) + kPortBytes;
   const int error = posix_fallocate(file_.get(), 0, bytes);
   if (error == 0 && ftruncate(file_.get(), 0) == 0) return;
   unlink(path_.c_str());
-  if (error == ENOSPC) RefuseWithoutRoom(bytes);
+  if (error == ENOSPC) {
+    RefuseWithoutRoom(for_an_actor_too ? "this process and an actor need" : "this process needs",
+                      bytes);
+  }
   Refuse(path_ + ": " + std::generic_category().message(error));
 }
 

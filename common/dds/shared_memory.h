@@ -25,9 +25,12 @@ class SharedMemoryNote {
   /// that there is room: Fast DDS maps its memory without asking, and a process that writes to
   /// memory which is not there dies of SIGBUS. Until Write(), no other process of ours gets past
   /// this, so that two that start at once do not count on the same room.
-  /// @param segment_bytes  of the participant that is to be made.
+  /// @param role  of the participant that is to be made.
+  /// @param for_an_actor_too  there must also be room for an actor, unless somebody of the run is
+  ///        here already: a learner that nobody can join is of no use.
   /// @throws std::invalid_argument that says what is missing and the ways out.
-  SharedMemoryNote(const std::string& run_name, std::uint32_t domain, std::uint32_t segment_bytes);
+  SharedMemoryNote(const std::string& run_name, std::uint32_t domain, const std::string& role,
+                   bool for_an_actor_too = false);
   /// Removes the note.
   ~SharedMemoryNote();
   SharedMemoryNote(const SharedMemoryNote&) = delete;
@@ -37,7 +40,7 @@ class SharedMemoryNote {
   void Write();
 
  private:
-  void RequireRoom(std::uint32_t bytes);
+  void RequireRoom(const std::string& role, bool for_an_actor_too);
   void Note(const std::string& names);
 
   LockedFile turn_;  // the folder: one process at a time asks for room and takes it

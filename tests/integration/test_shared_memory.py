@@ -69,12 +69,21 @@ def test_of_actors_that_start_at_once_those_run_that_fit_and_the_others_are_refu
         assert learner.wait() == 130, learner
 
 
-def test_a_learner_without_room_begins_no_run(stage):
-    with machine("16m") as small:
+@pytest.mark.parametrize("size", [16, 32])
+def test_without_room_for_a_learner_and_an_actor_no_run_begins(stage, size):
+    with machine(f"{size}m") as small:
         learner = stage.learner("run", *SHM, host=small)
-        assert_refused(learner, "/dev/shm has room for 16 MB, this process needs 17 MB", *WAYS_OUT)
+        words = f"/dev/shm has room for {size} MB, this process and an actor need 34 MB"
+        assert_refused(learner, words, *WAYS_OUT)
         assert not (stage.runs / "run").exists()
         assert not files_of(small)
+
+
+def test_where_an_actor_waits_already_a_learner_needs_no_more_than_its_own_room(stage):
+    with machine("36m") as small:
+        actor = stage.actor("run", *SHM, host=small)
+        actor.expect_text("no learner for run")
+        stage.finish("run", stage.learner("run", *SHM, host=small), [actor])
 
 
 def test_what_other_people_keep_there_counts(stage):
