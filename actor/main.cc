@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
 #include <variant>
 
 #include "actor/actor_client.h"
@@ -86,13 +87,22 @@ class StopTarget {
   int signal_ = 0;
 };
 
+/// @throws SetUpFailed for what options or this machine do not allow.
+std::unique_ptr<ActorBus> MakeBus(const BusOptions& options, std::uint64_t actor_id) {
+  try {
+    return MakeDdsActorBus(options, actor_id);
+  } catch (const std::invalid_argument& error) {
+    throw SetUpFailed(error.what());
+  }
+}
+
 int Serve(const RunOptions& options) {
   if (const auto warning = TooManyThreads(options.envs, "--envs")) spdlog::warn("{}", *warning);
   const ActorClientOptions client_options = ClientOptions(options);
   StopTarget target;
   // Before the bus, whose threads must inherit the blocked signals.
   const SignalWatch signals([&target](int number) { target.Signal(number); });
-  const auto bus = MakeDdsActorBus(options.bus, client_options.actor_id);
+  const auto bus = MakeBus(options.bus, client_options.actor_id);
   ActorClient client(bus.get(), SetUpMetaworldRun, client_options);
   target.Set(&client);
   const auto clear = [&target](ActorClient*) { target.Set(nullptr); };

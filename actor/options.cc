@@ -105,8 +105,9 @@ void AddRun(CLI::App& app, Typed& typed) {
       ->check(OneOf("format", LogFormats()))
       ->capture_default_str();
   run->footer(
-      "Exit status: 0 the run is finished, 1 refused or failed, 2 bad options or missing scene "
-      "files, 3 no learner, 128 + N stopped by signal N.");
+      "Exit status: 0 the run is finished, 1 refused or failed, 2 bad options or what this machine "
+      "lacks (scene files, shared memory, loopback), 3 no learner, 128 + N stopped by "
+      "signal N.");
 }
 
 void AddTrace(CLI::App& app, Typed& typed) {

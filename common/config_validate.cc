@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "common/config.h"
+#include "common/host_port.h"
 #include "common/listen_address.h"
 #include "common/near_miss.h"
 #include "common/network.h"
@@ -179,24 +180,30 @@ void CheckNetworkSize(const RunConfig& config, Complaints& complaints) {
                                       " (what a snapshot holds on the wire)");
 }
 
-// A peer is an address or a host name; a lone word that nearly reads loopback or lan is a typo.
+/// The form alone: names are looked up when the run starts.
+void CheckHosts(const std::string& path, const std::string& hosts, const std::string& allowed,
+                Complaints& complaints) {
+  try {
+    ParseHostPorts(hosts);
+  } catch (const std::invalid_argument& error) {
+    complaints.Add(path, "is \"" + hosts + "\": must be " + allowed + "; " + error.what());
+  }
+}
+
+// A lone word that nearly reads loopback or lan is a typo.
 void CheckNetwork(const std::string& network, Complaints& complaints) {
   if (network == "loopback" || network == "lan") return;
-  const std::string allowed =
-      ": must be loopback, lan, or the peers' addresses separated by commas";
-  bool right = !network.empty() && network.front() != ',' && network.back() != ',' &&
-               network.find(",,") == std::string::npos;
-  for (const char c : network) {
-    right = right && (std::isalnum(static_cast<unsigned char>(c)) ||
-                      std::string(".,:-_").find(c) != std::string::npos);
-  }
-  if (!right) return complaints.Add("runtime.network", "is \"" + network + "\"" + allowed);
+  const std::string allowed = "loopback, lan, or the peers' addresses separated by commas";
   const bool lone_word = network.find_first_of(".,:0123456789") == std::string::npos;
   const auto near = NearMiss(network, {"loopback", "lan"});
-  if (lone_word && near) {
-    complaints.Add("runtime.network",
-                   "is \"" + network + "\"; did you mean \"" + *near + "\"?" + allowed.substr(1));
-  }
+  if (!lone_word || !near) return CheckHosts("runtime.network", network, allowed, complaints);
+  complaints.Add("runtime.network",
+                 "is \"" + network + "\"; did you mean \"" + *near + "\"? must be " + allowed);
+}
+
+void CheckDiscoveryServers(const std::string& servers, Complaints& complaints) {
+  if (servers.empty()) return;
+  CheckHosts("runtime.discovery_server", servers, "HOST[:PORT], separated by commas", complaints);
 }
 
 void CheckMetrics(const std::string& address, Complaints& complaints) {
@@ -215,6 +222,7 @@ void CheckRuntime(const RunConfig& config, Complaints& complaints) {
                    "is an " + UnknownName("transport", transport, {"udp", "shm", "tcp"}));
   }
   CheckNetwork(config.runtime().network(), complaints);
+  CheckDiscoveryServers(config.runtime().discovery_server(), complaints);
   CheckMetrics(config.runtime().metrics(), complaints);
 }
 

@@ -4,11 +4,15 @@
 
 #include <stdexcept>
 
+#include "common/host_port.h"
 #include "common/number_text.h"
 
 namespace metronome {
 
 ListenAddress ParseListenAddress(const std::string& text) {
+  if (IsIpv6(text)) {
+    throw std::invalid_argument("IPv6 is not supported: must be PORT or HOST:PORT, HOST IPv4");
+  }
   const std::size_t colon = text.rfind(':');
   const auto port =
       ParseNumber<std::uint16_t>(text.substr(colon == std::string::npos ? 0 : colon + 1));

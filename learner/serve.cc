@@ -17,6 +17,7 @@
 #include "common/cpu_count.h"
 #include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
+#include "common/dds/machine.h"
 #include "common/dds/security.h"
 #include "common/ignored_signals.h"
 #include "common/logging.h"
@@ -173,6 +174,7 @@ std::unique_ptr<MetricsServer> MetricsServerOf(const RunConfig& config) {
 
 int Serve(const RunOptions& options, StopTarget& target) {
   const BusOptions bus_options = BusOptionsOf(options);
+  CheckMachineOfLearner(bus_options);
   const auto metrics = MetricsServerOf(options.config);
   RunFolder folder(options.folder);
   RunStart start = StartOf(options);

@@ -3,9 +3,9 @@
 #include <fastrtps/utils/IPLocator.h>
 
 #include <algorithm>
-#include <charconv>
-#include <sstream>
 #include <stdexcept>
+
+#include "common/host_port.h"
 
 namespace metronome {
 namespace {
@@ -20,28 +20,25 @@ constexpr std::uint32_t kMaxDomain = 232;  // DDSI-RTPS 2.2, 9.6.1.1: ports stay
   throw std::invalid_argument(what + " '" + text + "': " + choices);
 }
 
-std::uint16_t ParsePort(const std::string& digits, const std::string& what,
-                        const std::string& peer) {
-  unsigned value = 0;
-  const char* end = digits.data() + digits.size();
-  const auto [stop, error] = std::from_chars(digits.data(), end, value);
-  if (error != std::errc{} || stop != end || value < 1 || value > 65535) {
-    Reject(what, peer, "the port must be a number in 1..65535");
-  }
-  return static_cast<std::uint16_t>(value);
+/// @param what  for complaints: "network peer" or "discovery server".
+std::string Ipv4Of(const std::string& what, const std::string& host) {
+  const auto [v4, v6] = eprosima::fastrtps::rtps::IPLocator::resolveNameDNS(host);
+  if (!v4.empty()) return *v4.begin();
+  if (v6.empty()) Reject(what, host, "no IPv4 address is known for that host");
+  Reject(what, host,
+         "that host has IPv6 addresses alone, and IPv6 is not supported: give an IPv4 address");
 }
 
-/// @param what  for complaints: "network peer" or "discovery server".
-Network::Peer ParsePeer(const std::string& what, const std::string& text) {
-  const std::size_t colon = text.find(':');
-  const std::string host = text.substr(0, colon);
-  Network::Peer peer;
-  if (colon != std::string::npos) peer.port = ParsePort(text.substr(colon + 1), what, text);
-  if (host.empty()) Reject(what, text, "expected host or host:port");
-  const auto found = eprosima::fastrtps::rtps::IPLocator::resolveNameDNS(host);
-  if (found.first.empty()) Reject(what, text, "no IPv4 address is known for that host");
-  peer.address = *found.first.begin();
-  return peer;
+/// @param what  as of Ipv4Of.
+std::vector<Network::Peer> ParsePeers(const std::string& what, const std::string& text) {
+  std::vector<Network::Peer> peers;
+  try {
+    for (const HostPort& one : ParseHostPorts(text)) peers.push_back({one.host, one.port});
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(what + " " + error.what());
+  }
+  for (Network::Peer& peer : peers) peer.address = Ipv4Of(what, peer.address);
+  return peers;
 }
 
 bool IsRunNameCharacter(char c) {
@@ -111,22 +108,15 @@ Network ParseNetwork(const std::string& text) {
     return network;
   }
   network.scope = Network::Scope::kPeers;
-  std::istringstream parts(text);
-  for (std::string part; std::getline(parts, part, ',');) {
-    network.peers.push_back(ParsePeer("network peer", part));
-  }
-  if (network.peers.empty()) {
-    Reject("network", text, "expected loopback, lan or comma-separated peers host[:port]");
-  }
+  network.peers = ParsePeers("network peer", text);
   return network;
 }
 
 std::vector<Network::Peer> ParseDiscoveryServers(const std::string& text) {
-  std::vector<Network::Peer> servers;
-  std::istringstream parts(text);
-  for (std::string part; std::getline(parts, part, ',');) {
-    servers.push_back(ParsePeer("discovery server", part));
-    if (servers.back().port == 0) servers.back().port = kDiscoveryServerPort;
+  if (text.empty()) return {};
+  auto servers = ParsePeers("discovery server", text);
+  for (Network::Peer& server : servers) {
+    if (server.port == 0) server.port = kDiscoveryServerPort;
   }
   return servers;
 }

@@ -2,8 +2,6 @@
 
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
-#include <ifaddrs.h>
-#include <net/if.h>
 #include <spdlog/spdlog.h>
 
 #include <atomic>
@@ -17,8 +15,10 @@
 
 #include "common/dds/actor_filter.h"
 #include "common/dds/lease_race_guard.h"
+#include "common/dds/machine.h"
 #include "common/dds/participant_qos.h"
 #include "common/dds/security.h"
+#include "common/dds/surroundings.h"
 #include "common/dds/tcp.h"
 
 namespace metronome::dds {
@@ -87,26 +87,6 @@ fdds::DomainParticipantListener* TheListener() {
   return &listener;
 }
 
-/// Whether an interface other than loopback runs and has an IPv4 address.
-bool IsOnANetwork() {
-  ifaddrs* first = nullptr;
-  if (getifaddrs(&first) != 0) return true;  // not known
-  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> all(first, freeifaddrs);
-  for (const ifaddrs* one = first; one != nullptr; one = one->ifa_next) {
-    const bool runs = (one->ifa_flags & IFF_RUNNING) != 0 && (one->ifa_flags & IFF_LOOPBACK) == 0;
-    if (runs && one->ifa_addr != nullptr && one->ifa_addr->sa_family == AF_INET) return true;
-  }
-  return false;
-}
-
-/// Fast DDS takes a participant's addresses once, when it is made.
-void WarnWithoutANetwork(const Network& network) {
-  if (network.scope == Network::Scope::kLoopback || IsOnANetwork()) return;
-  spdlog::warn(
-      "no network interface but loopback is up: this process can be found on this machine alone, "
-      "also later; start it again once the network is up");
-}
-
 /// Buses of one process talk through the transport, so that tests see what machines see.
 void SwitchIntraprocessDeliveryOff() {
   eprosima::fastrtps::LibrarySettingsAttributes settings;
@@ -125,11 +105,13 @@ ParticipantKey ParticipantOf(const fdds::InstanceHandle_t& endpoint) {
 Participant::Participant(const BusOptions& options, const std::string& role) {
   CheckBusOptions(options);
   CheckIdentity(options, role);
+  CheckLoopback(options.network);
   TakeOverLog();
+  WarnOfIgnoredSurroundings();
   SwitchIntraprocessDeliveryOff();
-  WarnWithoutANetwork(options.network);
+  WarnOfInterfaces(options.network);
   if (options.transport == Transport::kSharedMemory) {
-    memory_.emplace(options.run_name, options.domain);
+    memory_.emplace(options.run_name, options.domain, role);
   }
   if (!options.discovery_servers.empty()) {
     discovery_.emplace(options.discovery_servers, !FindsLearnersAlone(role));

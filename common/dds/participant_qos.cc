@@ -18,7 +18,6 @@ namespace fdds_rtps = eprosima::fastdds::rtps;
 namespace rtps = eprosima::fastrtps::rtps;
 
 constexpr const char* kDiscoveryGroup = "239.255.0.1";  // DDSI-RTPS 2.2, 9.6.1.4.1
-constexpr std::uint32_t kSegmentBytes = 16 << 20;       // a history of episodes and then some
 // On a network a datagram is one packet (Ethernet's 1500 bytes, less what tunnels take). Of the 64
 // KB of loopback IP makes 45 fragments, and each that is lost costs them all: at 5 % loss one
 // datagram of ten arrives, at 20 % none ever does.
@@ -111,9 +110,9 @@ void SetDiscovery(const BusOptions& options, bool is_actor, fdds::WireProtocolCo
 
 /// Samples between processes of one machine go through memory; discovery stays on UDP, which
 /// survives kills and respawns.
-void AddSharedMemory(fdds::DomainParticipantQos* qos) {
+void AddSharedMemory(std::uint32_t segment_bytes, fdds::DomainParticipantQos* qos) {
   auto memory = std::make_shared<fdds_rtps::SharedMemTransportDescriptor>();
-  memory->segment_size(kSegmentBytes);
+  memory->segment_size(segment_bytes);
   qos->transport().user_transports.push_back(memory);
   rtps::Locator_t locator;
   locator.kind = LOCATOR_KIND_SHM;
@@ -142,7 +141,7 @@ fdds::DomainParticipantQos ParticipantQos(const BusOptions& options, const std::
   }
   qos.transport().user_transports.push_back(UdpTransport(options));
   SetDiscovery(options, FindsLearnersAlone(role), &qos.wire_protocol());
-  if (options.transport == Transport::kSharedMemory) AddSharedMemory(&qos);
+  if (options.transport == Transport::kSharedMemory) AddSharedMemory(SegmentBytes(role), &qos);
   return qos;
 }
 

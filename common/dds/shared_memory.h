@@ -3,11 +3,17 @@
 #include <cstdint>
 #include <string>
 
+#include "common/dds/locked_file.h"
+
 namespace metronome::dds {
 
 /// Shared-memory ports are numbered by process, beyond any UDP port: a killed process leaves its
 /// port behind locked, and one that takes its place must not run into it.
 std::uint32_t SharedMemoryPort();
+
+/// Bytes of the memory that a participant writes to, by its role: a history of episodes and then
+/// some; observers send next to nothing.
+std::uint32_t SegmentBytes(const std::string& role);
 
 /// The shared-memory files of one participant, noted in a file beside them
 /// (/dev/shm/metronome-DOMAIN-RUN-PROCESS-N, locked while the process lives), so that what a killed
@@ -15,9 +21,16 @@ std::uint32_t SharedMemoryPort();
 /// Not thread-safe.
 class SharedMemoryNote {
  public:
-  /// Removes what dead processes of the run left on this machine, then makes the note.
-  /// @throws std::system_error if it cannot be made.
-  SharedMemoryNote(const std::string& run_name, std::uint32_t domain);
+  /// Removes what dead processes of the run left on this machine, makes the note and sees to it
+  /// that there is room: Fast DDS maps its memory without asking, and a process that writes to
+  /// memory which is not there dies of SIGBUS. Until Write(), no other process of ours gets past
+  /// this, so that two that start at once do not count on the same room.
+  /// @param role  of the participant that is to be made.
+  /// @param for_an_actor_too  there must also be room for an actor, unless somebody of the run is
+  ///        here already: a learner that nobody can join is of no use.
+  /// @throws std::invalid_argument that says what is missing and the ways out.
+  SharedMemoryNote(const std::string& run_name, std::uint32_t domain, const std::string& role,
+                   bool for_an_actor_too = false);
   /// Removes the note.
   ~SharedMemoryNote();
   SharedMemoryNote(const SharedMemoryNote&) = delete;
@@ -27,10 +40,12 @@ class SharedMemoryNote {
   void Write();
 
  private:
-  bool Lock();
+  void RequireRoom(const std::string& role, bool for_an_actor_too);
+  void Note(const std::string& names);
 
+  LockedFile turn_;  // the folder: one process at a time asks for room and takes it
   std::string path_;
-  int file_ = -1;
+  LockedFile file_;
 };
 
 }  // namespace metronome::dds

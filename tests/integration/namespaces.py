@@ -18,6 +18,12 @@ def unavailable():
     return None
 
 
+def mounts_unavailable():
+    """@return why a process cannot have mounts of its own here, or None."""
+    made = subprocess.run(["unshare", "--mount", "true"], capture_output=True, text=True)
+    return f"no mounts of one's own here: {made.stderr.strip()}" if made.returncode else None
+
+
 def _run(*command):
     done = subprocess.run(
         [str(word) for word in command], capture_output=True, text=True, check=False
@@ -43,6 +49,35 @@ class Namespace:
 
     def close(self):
         subprocess.run(["ip", "netns", "delete", self.name], capture_output=True, check=False)
+
+
+class Mounts:
+    """This machine with other files in places: processes of it see what `commands` mount, and nobody
+    else does."""
+
+    def __init__(self, *commands):
+        """@param commands  of the shell, e.g. "mount ...". @raise RuntimeError if one fails."""
+        script = "\n".join([*commands, "echo made", "exec sleep infinity"])
+        with_us = ("setpriv", "--pdeathsig", "KILL")  # it ends when we do, however that is
+        self._holder = subprocess.Popen(
+            (*with_us, "unshare", "--mount", "sh", "-ec", script), stdout=subprocess.PIPE, text=True
+        )
+        if self._holder.stdout.readline() != "made\n":
+            raise RuntimeError(f"no mount namespace with {commands}")
+
+    def process(self, *command):
+        """@return what to execute, so that `command` runs inside (as the same process id)."""
+        # Root folder and working folder too: a mount namespace begins at its own.
+        entered = ("--mount", "--root", "--wd", f"--target={self._holder.pid}")
+        return ["nsenter", *entered, *map(str, command)]
+
+    def run(self, *command):
+        return _run(*self.process(*command))
+
+    def close(self):
+        self._holder.kill()
+        self._holder.wait()
+        self._holder.stdout.close()
 
 
 class Host(Namespace):

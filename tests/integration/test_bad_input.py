@@ -1,7 +1,10 @@
 """Bad input is named, with the remedy, before anything starts; usage errors exit 2."""
 
+import contextlib
+
 import pytest
 
+import namespaces
 from harness import ACTOR, LEARNER
 
 
@@ -26,6 +29,12 @@ from harness import ACTOR, LEARNER
         (("--task", "push", "--transport", "tcp", "--network", "lan"), ("--network HOST[:PORT]",)),
         (("--task", "push", "--discovery-server", "127.0.0.1"), ("--network lan",)),
         (("--task", "push", "--discovery-server", "a:b", "--network", "lan"), ("a:b", "port")),
+        (("--task", "push", "--network", "::1"), ("--network", "'::1': IPv6 is not supported")),
+        (("--task", "push", "--network", "lan,[::1]:7400"), ("'[::1]:7400': IPv6 is not",)),
+        (("--task", "push", "--network", "udp://10.0.0.7"), ("is a URL: give HOST[:PORT] alone",)),
+        (("--task", "push", "--network", "10.0.0.7,,10.0.0.8"), ("nothing stands here",)),
+        (("--task", "push", "--network", "no-such-host.invalid"), ("no IPv4 address is known",)),
+        (("--task", "push", "--metrics", "[::1]:9464"), ("--metrics", "IPv6 is not supported")),
         (("--task", "push", "--bogus"), ("--bogus",)),
     ],
     ids=lambda value: "_".join(value) if isinstance(value, tuple) else None,
@@ -66,6 +75,8 @@ def test_resuming_what_does_not_exist_exits_2(stage):
     [
         (ACTOR, "run"),
         (ACTOR, "run", "--run", "run", "--envs", "0"),
+        (ACTOR, "run", "--run", "run", "--network", "::1"),
+        (LEARNER, "status", "run", "--network", "[::1]"),
         (ACTOR, "trace", "--task", "push", "--recording", "/nowhere.csv", "--mode", "loose"),
         (ACTOR, "placements", "--task", "pussh", "--mode", "random", "--seed", "1"),
         (ACTOR, "evaluate"),
@@ -106,3 +117,23 @@ def test_help_is_there_for_every_command(stage, program):
     for command in commands:
         assert command in overview.text, overview
         assert stage.start(program, command, "--help").wait(30) == 0
+
+
+@pytest.mark.skipif(
+    namespaces.mounts_unavailable() is not None, reason=str(namespaces.mounts_unavailable())
+)
+def test_a_name_with_ipv6_addresses_alone_is_said_to_have_them(stage, tmp_path):
+    hosts = tmp_path / "hosts"
+    hosts.write_text("2001:db8::7 node-7\n", encoding="utf-8")
+    with contextlib.closing(namespaces.Mounts(f"mount --bind {hosts} /etc/hosts")) as machine:
+        for options in (
+            ("--network", "node-7"),
+            ("--network", "lan", "--discovery-server", "node-7"),
+        ):
+            for process in (
+                stage.learner("run", *options, host=machine),
+                stage.actor("run", *options, host=machine),
+                stage.status("run", *options, host=machine),
+            ):
+                assert process.wait(30) == 2, process
+                assert "node-7': that host has IPv6 addresses alone" in process.text, process

@@ -1,5 +1,6 @@
 #include "common/config.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -398,6 +399,44 @@ TEST(ValidateTest, MetricsAreShownAtAPortOfOnesChoice) {
                                     "10.0.0.1:", "10.0.0.1:9464:1", "::1:9464", " 9464"}) {
     EXPECT_TRUE(ComplaintOf("runtime.metrics", address).starts_with("runtime.metrics is \""))
         << address;
+  }
+}
+
+TEST(ValidateTest, HostsThatCannotBeAreNamedWithTheReason) {
+  using testing::HasSubstr;
+  struct Case {
+    std::string hosts, quoted, why;
+  };
+  const std::string ipv6 = "IPv6 is not supported: give an IPv4 address or a host name";
+  for (const std::string path : {"runtime.network", "runtime.discovery_server"}) {
+    for (const Case& one : {
+             Case{"::1", "'::1'", ipv6},
+             {"[::1]", "'[::1]'", ipv6},
+             {"10.0.0.7,[::1]:7400", "'[::1]:7400'", ipv6},
+             {"fe80::1%eth0", "'fe80::1%eth0'", ipv6},
+             {"2001:db8::1", "'2001:db8::1'", ipv6},
+             {"[2001:db8::1]:7400", "'[2001:db8::1]:7400'", ipv6},
+             {"::ffff:10.0.0.7", "'::ffff:10.0.0.7'", ipv6},
+             {"udp://node-7", "'udp://node-7'", "is a URL: give HOST[:PORT] alone"},
+             {"node-7,,node-8", "''", "nothing stands here"},
+             {"node-7,", "''", "nothing stands here"},
+             {"node-7, node-8", "' node-8'", "expected HOST[:PORT]"},
+             {"node-7/24", "'node-7/24'", "expected HOST[:PORT]"},
+             {"[node-7]:7400", "'[node-7]:7400'", "expected HOST[:PORT]"},
+             {":7400", "':7400'", "expected HOST[:PORT]"},
+             {"node-7:0", "'node-7:0'", "the port must be a number in 1..65535"},
+             {"node-7:65536", "'node-7:65536'", "the port must be a number in 1..65535"},
+             {"node-7:1:2", "'node-7:1:2'", "the port must be a number in 1..65535"},
+         }) {
+      EXPECT_THAT(ComplaintOf(path, one.hosts), HasSubstr(one.quoted + ": " + one.why));
+    }
+  }
+}
+
+TEST(ListenAddressTest, AnIpv6AddressIsNotSupported) {
+  for (const std::string address : {"[::1]:9464", "::1", "[::]:9464", "fe80::1%eth0"}) {
+    EXPECT_THAT(ComplaintOf("runtime.metrics", address),
+                testing::HasSubstr("IPv6 is not supported: must be PORT or HOST:PORT"));
   }
 }
 

@@ -197,6 +197,10 @@ TEST(BusOptionsTest, NonsenseIsNamed) {
                                  "10.0.0.7,,10.0.0.8", "10.0.0.7:port"}) {
     EXPECT_THROW(ParseNetwork(text), std::invalid_argument) << text;
   }
+  EXPECT_THAT([] { ParseNetwork("10.0.0.7,[::1]:7400"); },
+              testing::ThrowsMessage<std::invalid_argument>(
+                  "network peer '[::1]:7400': IPv6 is not supported: give an IPv4 address or a "
+                  "host name"));
   EXPECT_EQ(ParseTransport("tcp"), Transport::kTcp);
   EXPECT_THROW(ParseTransport("tpc"), std::invalid_argument);
   BusOptions options;
@@ -211,7 +215,8 @@ TEST(BusOptionsTest, DiscoveryServersHaveTheUsualPort) {
   EXPECT_TRUE(ParseDiscoveryServers("").empty());
   EXPECT_EQ(ParseDiscoveryServers("10.0.0.7,10.0.0.8:5000"),
             (std::vector<Network::Peer>{{"10.0.0.7", 11811}, {"10.0.0.8", 5000}}));
-  for (const std::string text : {",", "10.0.0.7:", "10.0.0.7:0", ":11811", "10.0.0.7,,10.0.0.8"}) {
+  for (const std::string text :
+       {",", "10.0.0.7:", "10.0.0.7:0", ":11811", "10.0.0.7,,10.0.0.8", "::1", "10.0.0.7,"}) {
     EXPECT_THROW(ParseDiscoveryServers(text), std::invalid_argument) << text;
   }
 }
