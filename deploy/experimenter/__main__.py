@@ -16,6 +16,7 @@ import children  # noqa: E402
 import matrix  # noqa: E402
 import view  # noqa: E402
 from cell_files import CellFiles  # noqa: E402
+from options import require_writable  # noqa: E402
 from progress import shown  # noqa: E402
 from settings import SettingsError, make_settings  # noqa: E402
 from slot import CellFailed, Slot  # noqa: E402
@@ -51,6 +52,9 @@ def _parse(arguments):
     options.runs, options.results = options.runs.absolute(), options.results.absolute()
     if options.jobs < 0:
         parser.error("--jobs must be at least 1")
+    if not options.list:
+        require_writable(parser, options.runs, "--runs")
+        require_writable(parser, options.results, "--results")
     return options
 
 

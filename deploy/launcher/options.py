@@ -195,6 +195,19 @@ def is_run(folder):
     return (folder / "config.textproto").exists() or (folder / "checkpoints").exists()
 
 
+def require_writable(parser, folder, option):
+    """Exits 2, naming `option` as the way out, unless files can be made in `folder`, which may have to be made
+    itself."""
+    nearest = folder
+    while not os.path.exists(nearest):
+        nearest = nearest.parent
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        parser.error(
+            f"cannot write to {folder} (it is another user's, or read-only): name a folder of your own "
+            f"by {option} DIR"
+        )
+
+
 def _fresh_name(options):
     parts = (
         options.task or "run",
@@ -224,6 +237,7 @@ def parse(arguments):
     if options.resume and not options.named:
         parser.error("--resume needs --run NAME: the run to go on with")
     options.runs = options.runs.absolute()
+    require_writable(parser, options.runs / (options.run or ""), "--runs")
     options.security = options.security and options.security.absolute()
     options.run = options.run or _fresh_name(options)
     options.folder = options.runs / options.run
