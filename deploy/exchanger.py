@@ -103,6 +103,8 @@ def main():
         if not os.access(program, os.X_OK):
             raise Refused(f"there is no {program}: run deploy/setup, or name another --build")
         options.out.mkdir(parents=True, exist_ok=True)
+        if not os.access(options.out, os.W_OK):
+            raise Refused(f"cannot write to {options.out}: name a folder of your own by --out DIR")
         for checkpoint in options.checkpoints:
             exchange(checkpoint, options)
     except (Refused, OSError) as error:

@@ -64,6 +64,8 @@ def commit(checkout, train, tests):
 def fresh(stage, checkout, monkeypatch):
     """Starts tests/fresh/run of the checkout."""
     monkeypatch.setenv("PATH", f"{checkout.parent / 'bin'}:{os.environ['PATH']}")
+    for name in ("SSL_CERT_DIR", "PIP_FIND_LINKS"):  # folders that would be copied
+        monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("PIP_INDEX_URL", "our-own")
     monkeypatch.setenv("SECRET", "of this machine")
     return lambda *options: stage.start(checkout / "tests" / "fresh" / "run", *options)
