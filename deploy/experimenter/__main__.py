@@ -16,10 +16,10 @@ import children  # noqa: E402
 import matrix  # noqa: E402
 import view  # noqa: E402
 from cell_files import CellFiles  # noqa: E402
-from options import require_writable  # noqa: E402
 from progress import shown  # noqa: E402
 from settings import SettingsError, make_settings  # noqa: E402
 from slot import CellFailed, Slot  # noqa: E402
+from writable import require_writable  # noqa: E402
 
 TICK = 5.0  # seconds between looks for new milestones; children that end are noticed at once
 

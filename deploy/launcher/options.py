@@ -8,6 +8,8 @@ import sys
 import time
 from pathlib import Path
 
+from writable import require_writable
+
 ROOT = Path(__file__).resolve().parents[2]
 METHODS = ("multihead", "ppo", "ppo-time")
 # A run's name is a folder and a DDS partition, where * ? [ ] would be patterns.
@@ -193,19 +195,6 @@ def is_run(folder):
     """Whether the learner finds a run there. A start that was killed in its first moments leaves a
     folder without one."""
     return (folder / "config.textproto").exists() or (folder / "checkpoints").exists()
-
-
-def require_writable(parser, folder, option):
-    """Exits 2, naming `option` as the way out, unless files can be made in `folder`, which may have to be made
-    itself."""
-    nearest = folder
-    while not os.path.exists(nearest):
-        nearest = nearest.parent
-    if not os.access(nearest, os.W_OK | os.X_OK):
-        parser.error(
-            f"cannot write to {folder} (it is another user's, or read-only): name a folder of your own "
-            f"by {option} DIR"
-        )
 
 
 def _fresh_name(options):

@@ -190,7 +190,12 @@ def main():
         print(summary(name, found))
     for folder in unfinished:
         print(f"  left out: {shown(folder)} is not finished (it has no run.json)")
-    options.out.mkdir(parents=True, exist_ok=True)
+    try:
+        options.out.mkdir(parents=True, exist_ok=True)
+    except PermissionError:
+        pass
+    if not os.access(options.out, os.W_OK):
+        parser.error(f"cannot write to {options.out}: name a folder of your own by --out DIR")
     captions = draw_all(experiments, {name: draw for name, draw in wanted.items()
                                       if name in (options.only or wanted)}, options)
     try:
@@ -210,7 +215,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except OSError as error:
-        sys.exit(f"deploy/figures: {error} (--out DIR: to write elsewhere)")
+    sys.exit(main())
