@@ -132,6 +132,15 @@ def test_an_experiment_whose_results_cannot_be_kept_is_refused(checkout):
     assert f"cannot write to {checkout}/results" in done.stderr and "--results DIR" in done.stderr, done.stderr
 
 
+@needs_root
+def test_an_exchange_whose_rows_cannot_be_kept_is_refused(checkout):
+    program(checkout / "bin" / "metronome-actor", "exit 1")
+    (checkout / "results" / "exchange").mkdir(parents=True)
+    done = run(checkout, "deploy/exchange", "any.ckpt", "--build", checkout, by=NOBODY)
+    assert done.returncode == 1, done.stderr
+    assert f"cannot write to {checkout}/results/exchange" in done.stderr and "--out DIR" in done.stderr, done.stderr
+
+
 @pytest.fixture
 def old_processor(checkout):
     """Programs of a machine without AVX2, where cmake only notes what it is asked for."""
