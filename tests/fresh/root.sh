@@ -8,7 +8,7 @@ ready_for_roots() {
   unshare --mount --pid --fork true 2>/dev/null ||
     fail "no mount and process namespaces can be made here (a container needs the capability SYS_ADMIN for them)"
   ! command -v debootstrap >/dev/null || return 0
-  local install=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends debootstrap)
+  local install=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends debootstrap debian-archive-keyring)
   # Package lists that are there may be good enough; old or missing ones are fetched.
   "${install[@]}" >/dev/null 2>&1 || { apt-get update -qq && "${install[@]}" >/dev/null; } ||
     fail "the program debootstrap is needed, and apt-get could not install the package of that name"
