@@ -121,7 +121,7 @@ def main():
     try:
         if not os.access(program, os.X_OK):
             raise Refused(f"there is no {program}: run deploy/setup, or name another --build")
-        folders.usable(options.out).mkdir(parents=True, exist_ok=True)
+        folders.writable(options.out, "--out").mkdir(parents=True, exist_ok=True)
         for checkpoint in options.checkpoints:
             exchange(checkpoint, options)
     except (Refused, OSError) as error:

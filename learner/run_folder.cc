@@ -29,7 +29,12 @@ std::string HolderText() { return "process " + std::to_string(getpid()) + " on "
 }  // namespace
 
 RunFolder::RunFolder(std::string path) : path_(std::move(path)) {
-  std::filesystem::create_directories(path_);
+  std::error_code error;
+  std::filesystem::create_directories(path_, error);
+  if (error) {
+    throw std::system_error(error,
+                            "cannot make " + path_ + " (--runs DIR: another folder of runs)");
+  }
   Lock();
 }
 

@@ -55,10 +55,11 @@ def _parse(arguments):
     parser.add_argument("--build", type=Path, metavar="DIR",
                         help="use the programs in DIR/bin as they are, without set-up")
     options = parser.parse_args(arguments)
-    for name, find in (("runs", folders.usable), ("results", folders.usable), ("build", folders.absolute)):
+    kept = (lambda path, _: folders.usable(path)) if options.list else folders.writable
+    for name, find in (("runs", kept), ("results", kept), ("build", lambda path, _: folders.absolute(path))):
         try:
             path = getattr(options, name)
-            setattr(options, name, path and find(path))
+            setattr(options, name, path and find(path, f"--{name}"))
         except OSError as error:
             parser.error(f"--{name}: {error}")
     if options.jobs < 0:

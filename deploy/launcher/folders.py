@@ -33,3 +33,14 @@ def usable(path):
         if os.path.lexists(place) and not os.path.isdir(place):
             raise OSError(f"{place} is not a folder: move it away, or name another")
     return path
+
+
+def writable(path, option):
+    """@return usable(path), in which files can be made once it is there.
+    @throws OSError, whose message is for people and names `option` as the way out."""
+    path = usable(path)
+    there = next(place for place in (path, *path.parents) if os.path.exists(place))
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise OSError(f"cannot write to {path} (it is another user's, or read-only): "
+                      f"name a folder of your own by {option} DIR")
+    return path

@@ -2,6 +2,7 @@
 
 import argparse
 import difflib
+import functools
 import re
 import shlex
 import sys
@@ -222,7 +223,7 @@ def _fresh_name(options):
 
 def _require_places(parser, options):
     """Makes paths absolute. What is to be a folder can be one, what is to be used is there."""
-    finds = {"runs": folders.usable, "security": folders.usable, "build": folders.absolute}
+    finds = {"runs": functools.partial(folders.writable, option="--runs"), "security": folders.usable, "build": folders.absolute}
     for name, find in finds.items():
         try:
             path = getattr(options, name)
@@ -237,7 +238,7 @@ def _require_places(parser, options):
 
 def _require_run_folder(parser, options):
     try:
-        options.folder = folders.usable(options.runs / options.run)
+        options.folder = folders.writable(options.runs / options.run, "--runs")
     except OSError as error:
         parser.error(f"--run {options.run}: {error}")
 

@@ -24,7 +24,7 @@ import tables  # noqa: E402
 import terminal  # noqa: E402
 import whole_files  # noqa: E402
 from draw import blocks, controls, efficiency, final, heads, learning  # noqa: E402
-from folders import shown, usable  # noqa: E402
+from folders import shown, writable  # noqa: E402
 from names import arms_of, tasks_of  # noqa: E402
 
 FIGURES = {
@@ -175,7 +175,7 @@ def main():
     stops.exit_on_stop()
     terminal.never_block()  # its work is the files
     try:
-        usable(options.out)
+        writable(options.out, "--out")
     except OSError as error:
         parser.error(f"--out: {error}")
     if options.page and not options.page.is_file():

@@ -71,8 +71,9 @@ def test_the_build_stage_has_all_that_set_up_compiles():
     copied = {source for sources, _, _ in copies(stages()[0]) for source in sources}
     folders = re.findall(r"^add_subdirectory\((\w+)\)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)
     assert {*folders, "CMakeLists.txt", "CMakePresets.json", "deploy/setup"} <= copied
-    pinned = set(re.findall(r"deploy/[\w.-]+\.txt", (ROOT / "deploy" / "setup").read_text()))
-    assert pinned <= copied
+    read = set(re.findall(r"deploy/[\w.-]+\.(?:txt|sh)", (ROOT / "deploy" / "setup").read_text()))
+    included = set(re.findall(r"^include\((\S+)\)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE))
+    assert read | included <= copied
 
 
 def test_its_short_names_are_those_of_files_in_it():

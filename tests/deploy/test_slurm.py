@@ -1,6 +1,8 @@
-"""One run as one job of a real Slurm: two nodes, which are two slurmd of this machine."""
+"""One run as one job of a real Slurm: two nodes, which are two slurmd of this machine. What its tasks are started
+with is tested without Slurm, too."""
 
 import getpass
+import json
 import os
 import shutil
 import socket
@@ -14,12 +16,6 @@ from harness import BUILD, DEADLINE, EPISODES, HORIZON, ROOT, SMALL, small
 
 PROGRAMS = ("slurmctld", "slurmd", "munged", "sbatch", "srun", "scontrol")
 missing = [name for name in PROGRAMS if not shutil.which(name, path="/usr/sbin:/usr/bin")]
-pytestmark = [
-    pytest.mark.skipif(bool(missing), reason="not installed (slurm-wlm, munge): " + " ".join(missing)),
-    pytest.mark.skipif(os.geteuid() != 0, reason="slurmd is root's"),
-    pytest.mark.skipif(BUILD != ROOT / "build", reason="the job's programs are those of build/"),
-]
-
 CONFIG = """ClusterName=test
 SlurmctldHost={host}(127.0.0.1)
 SlurmUser={user}
@@ -145,12 +141,24 @@ def cluster(tmp_path_factory):
     cluster.close()
 
 
+def needs_slurm(test):
+    for mark in (
+        pytest.mark.skipif(bool(missing), reason="not installed (slurm-wlm, munge): " + " ".join(missing)),
+        pytest.mark.skipif(os.geteuid() != 0, reason="slurmd is root's"),
+        pytest.mark.skipif(BUILD != ROOT / "build", reason="the job's programs are those of build/"),
+    ):
+        test = mark(test)
+    return test
+
+
+@needs_slurm
 def test_a_job_on_two_nodes_gives_the_weights_of_a_run_without_slurm(stage, cluster):
     expected = stage.train("calm")
     cluster.finish(cluster.submit(stage.runs, "job", *SMALL))
     assert stage.inspect(stage.latest("job"))["weights_sha256"] == expected
 
 
+@needs_slurm
 def test_a_job_whose_time_is_nearly_up_is_requeued_and_goes_on(stage, cluster):
     longer = small(100 * EPISODES * HORIZON)
     job = cluster.submit(stage.runs, "job", *longer)
@@ -168,3 +176,64 @@ def test_a_job_whose_time_is_nearly_up_is_requeued_and_goes_on(stage, cluster):
     job_end, calm_end = (stage.inspect(stage.latest(name)) for name in ("job", "calm"))
     assert job_end["incarnation"] == 2
     assert job_end["weights_sha256"] == calm_end["weights_sha256"]
+
+
+# srun, as far as the job needs it: takes its options, then runs the words that follow as each task.
+SRUN = """#!/usr/bin/python3
+import os, subprocess, sys
+words = sys.argv[1:]
+while words[0].startswith("--"):
+    words.pop(0)
+for task in range(int(os.environ["SLURM_NTASKS"])):
+    subprocess.run(words, env={**os.environ, "SLURM_PROCID": str(task)}, check=True)
+"""
+# A program that notes what it was called with.
+PROGRAM = """#!/usr/bin/python3
+import json, os, sys
+with open(f"said-{os.environ['SLURM_PROCID']}", "w") as file:
+    json.dump(sys.argv, file)
+"""
+ODD_WORDS = ["", "two  words", "it's", 'a "b"', "back\\slash", "two\nlines", "%t", "*", "$HOME", "`id`", "#", "~", "\\'"]
+
+
+def executable(path, text):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    path.chmod(0o755)
+
+
+@pytest.fixture
+def submit(tmp_path):
+    """Runs the job's script on words as sbatch does, in a checkout whose programs note theirs. @return them by task."""
+    checkout = tmp_path / "check out"
+    for program in ("metronome-learner", "metronome-actor"):
+        executable(checkout / "build" / "bin" / program, PROGRAM)
+    executable(tmp_path / "bin" / "srun", SRUN)
+    executable(tmp_path / "bin" / "scontrol", "#!/bin/sh\nexec seq -f node%.0f 7 9999\n")
+    (checkout / "deploy").symlink_to(ROOT / "deploy")
+
+    def run(*words, **environment):
+        done = subprocess.run(
+            ["bash", ROOT / "deploy" / "slurm" / "metronome.sbatch", *words],
+            cwd=checkout, timeout=DEADLINE, capture_output=True, text=True,
+            env={"PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}", "METRONOME_BIN": str(checkout / "build" / "bin"),
+                 "SLURM_NTASKS": "3", "SLURM_JOB_ID": "41", "SLURM_JOB_NODELIST": "node[7-8]", **environment})
+        assert done.returncode == 0, done.stderr
+        return [json.loads((checkout / f"said-{task}").read_text()) for task in range(3)]
+
+    return run
+
+
+@pytest.mark.parametrize("options", [[], ["--task", "push"], ODD_WORDS], ids=["none", "some", "odd"])
+def test_a_jobs_options_reach_the_learner_word_by_word(submit, options):
+    learner, *actors = submit("job", *options)
+    assert learner[1:] == ["run", "--runs", "runs", "--run", "job", "--domain", "42", "--network", "lan", *options]
+    for actor in actors:
+        assert actor[1:] == ["run", "--run", "job", "--domain", "42", "--network", "node7", "--envs", "1"]
+
+
+@pytest.mark.parametrize("odd", ["two  words", "it's", "back\\slash"])
+def test_a_jobs_folder_of_runs_may_have_any_name(submit, odd):
+    learner, actor, _ = submit("job", RUNS=odd, LEARNER_HOST="a host", SLURM_CPUS_PER_TASK="4")
+    assert learner[1:4] == ["run", "--runs", odd]
+    assert actor[-4:] == ["--network", "a host", "--envs", "4"]

@@ -107,6 +107,13 @@ def test_missing_files_are_named(stage, command):
     assert "/nowhere." in process.text, process
 
 
+def test_a_folder_of_runs_that_cannot_be_made_is_named_with_the_way_out(stage, tmp_path):
+    (tmp_path / "file").touch()
+    learner = stage.learner("run", runs=tmp_path / "file" / "runs")
+    assert learner.wait(30) == 1, learner
+    assert f"cannot make {tmp_path}/file/runs/run (--runs DIR" in learner.text, learner
+
+
 @pytest.mark.parametrize("program", [LEARNER, ACTOR], ids=["learner", "actor"])
 def test_help_is_there_for_every_command(stage, program):
     overview = stage.start(program, "--help")

@@ -6,6 +6,7 @@ import importlib.util
 import json
 import os
 import select
+import shlex
 import shutil
 import signal
 import sys
@@ -151,9 +152,9 @@ class HeldEvaluations:
         (self.build / "bin").mkdir(parents=True)
         (self.build / "bin" / "metronome-learner").symlink_to(os.path.abspath(LEARNER))
         actor = self.build / "bin" / "metronome-actor"
-        actor.write_text(f'#!/bin/sh\n[ "$1" = evaluate ] || exec {os.path.abspath(ACTOR)} "$@"\n'
+        actor.write_text(f'#!/bin/sh\n[ "$1" = evaluate ] || exec {shlex.quote(os.path.abspath(ACTOR))} "$@"\n'
                          'until [ -e "$(dirname "$4")/000008.ckpt" ]; do sleep 0.05; done\n'
-                         f'echo trained > {self._said}\nexec sleep 1000\n')
+                         f'echo trained > {shlex.quote(str(self._said))}\nexec sleep 1000\n')
         actor.chmod(0o755)
         os.mkfifo(self._said)
         self._read = os.open(self._said, os.O_RDONLY | os.O_NONBLOCK)

@@ -194,12 +194,14 @@ def test_identities_are_made_unread(stage, unread, tmp_path):
 @pytest.fixture
 def checkout(tmp_path):
     """A copy of deploy/setup that needs nothing and builds one thing: it writes to `begun`, then reads `go`."""
-    for name in ("deploy/setup", "deploy/metaworld.txt", "CMakePresets.json"):
+    for name in ("deploy/setup", "deploy/checkout.sh", "deploy/metaworld.txt", "CMakePresets.json",
+                 "common/compile_options.cmake"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     (tmp_path / ".cache").mkdir()
     (tmp_path / ".cache" / "metaworld-3.1.1").symlink_to(ROOT / ".cache" / "metaworld-3.1.1")
     (tmp_path / "build").mkdir()
+    (tmp_path / "build" / "CMakeCache.txt").write_text("METRONOME_MARCH:STRING=x86-64-v3\n")
     (tmp_path / "build" / "build.ninja").write_text(
         "rule wait\n  command = echo begun >begun; read line <go; touch $out\nbuild programs: wait\n")
     for name in ("begun", "go"):
@@ -220,6 +222,8 @@ def test_a_build_goes_on_unread_and_under_signals_that_were_ignored(stage, check
     os.close(begun)
     os.close(go)
     assert (checkout / "build" / "programs").exists()
+    # What showed the build has ended, too, and lets the next set-up in.
+    assert stage.start("flock", "--timeout", "30", checkout / ".cache" / "setup.lock", "true").wait() == 0
 
 
 # Trouble of the launcher's own.
