@@ -6,13 +6,6 @@ import pytest
 
 from harness import ACTOR, ENDLESS, LEARNER
 
-IGNORING = ("bash", "-c", 'trap "" {}; exec "$@"', "bash")
-
-
-def ignoring(*names):
-    """The beginning of a command line that ignores these signals, as nohup and background jobs of a script do."""
-    return [word.format(" ".join(names)) for word in IGNORING]
-
 
 def learner(stage, run, *before):
     return stage.start(
@@ -38,8 +31,8 @@ def test_each_stop_signal_ends_learner_and_actor_and_leaves_a_checkpoint(stage, 
 
 @pytest.mark.parametrize("ignored, other", [("HUP", "TERM"), ("INT", "TERM"), ("TERM", "INT")])
 def test_a_signal_that_is_ignored_at_the_start_stays_ignored(stage, ignored, other):
-    running = learner(stage, "run", *ignoring(ignored))
-    playing = actor(stage, "run", *ignoring(ignored))
+    ignoring = ("env", f"--ignore-signal={ignored}")  # as nohup does, and a script of its background jobs
+    running, playing = learner(stage, "run", *ignoring), actor(stage, "run", *ignoring)
     running.expect_update(1)
     for process in (running, playing):
         process.signal(signal.Signals[f"SIG{ignored}"])

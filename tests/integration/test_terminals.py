@@ -1,7 +1,6 @@
 """Standard output that nobody reads or that takes nothing, and signals that were ignored at the start: the work
 goes on, of deploy/train and of all the programs beside it."""
 
-import contextlib
 import csv
 import fcntl
 import os
@@ -20,6 +19,7 @@ import pytest
 import children
 import terminal
 from harness import BUILD, ENDLESS, LEARNER, LONG, LONG_UPDATES, ROOT, SMALL, UPDATES
+from unread import start_unread, unread  # noqa: F401  (a fixture)
 
 TRAIN = ROOT / "deploy" / "train"
 
@@ -80,43 +80,6 @@ def test_what_cannot_be_shown_stops_no_run(stage, tmp_path, script):
     launcher = in_shell(stage, f"cd {tmp_path}; {script}", *words(stage))
     assert launcher.wait() == 0, launcher
     assert version(stage) == UPDATES
-
-
-@contextlib.contextmanager
-def full_pipe():
-    """A pipe that takes nothing more."""
-    read, write = os.pipe()
-    os.set_blocking(write, False)
-    with contextlib.suppress(BlockingIOError):
-        while True:
-            os.write(write, b"x" * 4096)
-    os.set_blocking(write, True)
-    yield write
-    os.close(read)
-    os.close(write)
-
-
-@contextlib.contextmanager
-def paused_terminal():
-    """As after Ctrl-S."""
-    master, slave = pty.openpty()
-    termios.tcflow(slave, termios.TCOOFF)
-    yield slave
-    os.close(master)
-    os.close(slave)
-
-
-@pytest.fixture(params=[full_pipe, paused_terminal], ids=["full pipe", "paused terminal"])
-def unread(request):
-    with request.param() as fd:
-        yield fd
-
-
-def start_unread(stage, fd, command):
-    """The test's end kills it, as it does stage's processes."""
-    child = children.start([str(word) for word in command], obeys=children.STOP_SIGNALS, stdout=fd, stderr=fd)
-    stage.callbacks.append(child.kill)
-    return child
 
 
 def test_output_that_nobody_reads_stops_no_run(stage, unread):
