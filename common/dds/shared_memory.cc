@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +16,7 @@
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <thread>
 
 #include "common/dds/participant_qos.h"
 
@@ -23,13 +25,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFolder = "/dev/shm";         // the C library's, and Fast DDS'
+constexpr const char* kFolder = "/dev/shm";         // what the C library's shm_open takes
 constexpr std::string_view kSegment = "fastrtps_";  // Fast DDS 2.9: segments and ports begin so
 constexpr std::string_view kLock = "_el";           // ends the name of the lock beside each
 constexpr std::uint32_t kSegmentBytes = 16 << 20;
 constexpr std::uint32_t kObserverSegmentBytes = 1 << 20;
 // Beside the segment: its tables, our port, and those that writers make again for peers that died.
 constexpr std::uint32_t kPortBytes = 1 << 20;
+constexpr std::chrono::seconds kPeersLetGo{5};  // Fast DDS looks once a second
+constexpr std::chrono::milliseconds kPoll{50};
 
 std::string PrefixOf(const std::string& run_name, std::uint32_t domain) {
   return "metronome-" + std::to_string(domain) + "-" + run_name + "-";
@@ -99,26 +103,32 @@ std::size_t RemoveNoted(const fs::path& note) {
   return removed;
 }
 
-/// @return how many processes of the run live.
-std::size_t RemoveLeftovers(const std::string& prefix) {
-  std::size_t alive = 0, dead = 0, files = 0;
+/// Processes of a run that had notes.
+struct Others {
+  std::size_t alive = 0;
+  std::size_t dead = 0;  // their files are removed
+};
+
+Others RemoveLeftovers(const std::string& prefix) {
+  std::size_t files = 0;
+  Others others;
   std::error_code unreadable;
   for (const auto& entry : fs::directory_iterator(kFolder, unreadable)) {
     const std::string name = entry.path().filename();
     if (!name.starts_with(prefix) || !IsProcessAndCount(name.substr(prefix.size()))) continue;
     const LockedFile note(entry.path(), O_RDONLY);
     if (!note.TryLock()) {
-      ++alive;
+      ++others.alive;
       continue;
     }
     files += RemoveNoted(entry.path());
-    ++dead;
+    ++others.dead;
   }
-  if (dead > 0) {
+  if (others.dead > 0) {
     spdlog::info("removed {} shared-memory files that {} killed process{} of this run left", files,
-                 dead, dead == 1 ? "" : "es");
+                 others.dead, others.dead == 1 ? "" : "es");
   }
-  return alive;
+  return others;
 }
 
 /// Segments that this process has mapped: right after a participant is made, those of its own.
@@ -197,28 +207,41 @@ SharedMemoryNote::SharedMemoryNote(const std::string& run_name, std::uint32_t do
   NameTheCauseOfSigbus();
   if (!turn_.Lock()) Refuse(ErrorOf(kFolder));
   const std::string prefix = PrefixOf(run_name, domain);
-  const bool is_alone = RemoveLeftovers(prefix) == 0;
+  const Others others = RemoveLeftovers(prefix);
   path_ = std::string(kFolder) + "/" + prefix + std::to_string(getpid()) + "-" +
           std::to_string(++count);
-  file_ = LockedFile(path_, O_RDWR | O_CREAT | O_TRUNC);
+  file_ = LockedFile(path_, O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW);
   if (!file_.Lock()) Refuse(ErrorOf(path_));
-  RequireRoom(role, for_an_actor_too && is_alone);
+  const bool with_an_actor = for_an_actor_too && others.alive == 0;
+  std::uint32_t bytes = SegmentBytes(role) + kPortBytes;
+  if (with_an_actor) bytes += SegmentBytes(kActorRole) + kPortBytes;
+  if (!TryRoom(bytes) && (others.dead == 0 || !WaitForRoom(bytes))) {
+    unlink(path_.c_str());
+    RefuseWithoutRoom(with_an_actor ? "this process and an actor need" : "this process needs",
+                      bytes);
+  }
   Note(PortFiles());
 }
 
 // The note itself takes the room for a moment: what the system says of free room does not count
 // quotas and limits.
-void SharedMemoryNote::RequireRoom(const std::string& role, bool for_an_actor_too) {
-  std::uint32_t bytes = SegmentBytes(role) + kPortBytes;
-  if (for_an_actor_too) bytes += SegmentBytes(kActorRole) + kPortBytes;
+bool SharedMemoryNote::TryRoom(std::uint32_t bytes) {
   const int error = posix_fallocate(file_.get(), 0, bytes);
-  if (error == 0 && ftruncate(file_.get(), 0) == 0) return;
+  if (error == 0 && ftruncate(file_.get(), 0) == 0) return true;
+  if (error == ENOSPC) return false;
   unlink(path_.c_str());
-  if (error == ENOSPC) {
-    RefuseWithoutRoom(for_an_actor_too ? "this process and an actor need" : "this process needs",
-                      bytes);
-  }
   Refuse(path_ + ": " + std::generic_category().message(error));
+}
+
+/// For what is removed of a dead process: it is free once its peers do not map it any more.
+bool SharedMemoryNote::WaitForRoom(std::uint32_t bytes) {
+  spdlog::info("waiting for the peers of the killed to let go of {}", kFolder);
+  const auto deadline = std::chrono::steady_clock::now() + kPeersLetGo;
+  while (std::chrono::steady_clock::now() < deadline) {
+    if (TryRoom(bytes)) return true;
+    std::this_thread::sleep_for(kPoll);
+  }
+  return false;
 }
 
 SharedMemoryNote::~SharedMemoryNote() { unlink(path_.c_str()); }
