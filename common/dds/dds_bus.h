@@ -15,7 +15,8 @@
 /// versions.
 namespace metronome {
 
-/// @throws std::invalid_argument for bad options, std::runtime_error if Fast DDS will not start.
+/// @throws std::invalid_argument for bad options and for what this machine lacks (loopback, shared
+///         memory), with the remedy; std::runtime_error if Fast DDS will not start.
 std::unique_ptr<LearnerBus> MakeDdsLearnerBus(const BusOptions& options);
 
 /// @param actor_id  random per process; orders for others are filtered out by it.

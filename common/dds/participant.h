@@ -33,7 +33,9 @@ ParticipantKey ParticipantOf(const fdds::InstanceHandle_t& endpoint);
 class Participant {
  public:
   /// @param role  "learner" or "actor": part of the name that DDS tools show.
-  /// @throws std::invalid_argument for bad options, std::runtime_error if Fast DDS will not start.
+  /// @throws std::invalid_argument for bad options and for what this machine lacks (loopback,
+  /// shared
+  ///         memory), std::runtime_error if Fast DDS will not start.
   Participant(const BusOptions& options, const std::string& role);
   /// Deletes all endpoints first. No listener is called any more once this returns.
   ~Participant();

@@ -40,7 +40,8 @@ class SharedMemoryNote {
   void Write();
 
  private:
-  void RequireRoom(const std::string& role, bool for_an_actor_too);
+  bool TryRoom(std::uint32_t bytes);
+  bool WaitForRoom(std::uint32_t bytes);
   void Note(const std::string& names);
 
   LockedFile turn_;  // the folder: one process at a time asks for room and takes it

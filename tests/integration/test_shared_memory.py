@@ -69,6 +69,39 @@ def test_of_actors_that_start_at_once_those_run_that_fit_and_the_others_are_refu
         assert learner.wait() == 130, learner
 
 
+def test_who_takes_the_place_of_a_killed_actor_waits_for_its_room(stage):
+    with machine("52m") as small:
+        learner = stage.learner("run", *SHM, small=ENDLESS, host=small)
+        team = [stage.actor("run", *SHM, host=small) for _ in range(2)]
+        for actor in team:
+            actor.expect_text("joined run")
+        # Like the learner, which maps the memory of a dead one for up to some seconds.
+        note = f"/dev/shm/metronome-{stage.domain}-run-{team[0].child.pid}-1"
+        (segment,) = (n for n in small.run("cat", note).split() if is_segment(n))
+        peer = stage.start("sleep", "infinity", host=Holding(small, f"/dev/shm/{segment}"))
+        peer.expect_text("held")
+        team[0].kill()
+        newcomer = stage.actor("run", *SHM, host=small)
+        newcomer.expect_text("waiting for the peers of the killed to let go of /dev/shm")
+        peer.kill()
+        newcomer.expect_text("joined run")
+
+
+class Holding:
+    """Processes of `mounts` that have a file open, which they tell."""
+
+    def __init__(self, mounts, path):
+        self._mounts, self._path = mounts, path
+
+    def process(self, *command):
+        script = 'exec 3< "$0" && echo held && exec "$@"'
+        return self._mounts.process("sh", "-c", script, self._path, *command)
+
+
+def is_segment(name):
+    return name.startswith("fastrtps_") and "port" not in name and not name.endswith("_el")
+
+
 @pytest.mark.parametrize("size", [16, 32])
 def test_without_room_for_a_learner_and_an_actor_no_run_begins(stage, size):
     with machine(f"{size}m") as small:
