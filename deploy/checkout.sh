@@ -1,5 +1,6 @@
-# What prepares this checkout writes into it, one at a time. Sourced; the caller's folder is the checkout, and it
-# defines die MESSAGE.
+# What prepares this checkout writes into it, one at a time. Sourced; the current folder is the checkout, and the caller
+# defines say and die MESSAGE.
+# shellcheck shell=bash
 
 # Streams that are closed lead nowhere, so that nothing that is opened later takes their place: a pipe whose reader holds
 # its other end never ends.
@@ -7,26 +8,29 @@ for stream in 0 1 2; do
   [[ -e /proc/self/fd/$stream ]] || eval "exec $stream<>/dev/null"
 done
 
-# writable PATH: whether it can be written, or made where it is not there.
-writable() {
-  local path=$1
-  while [[ ! -e $path && ! -L $path ]]; do path=$(dirname -- "$path"); done
-  [[ -w $path ]]
+# unwritable PATH...: prints the first that cannot be written, or made where it is not there. @return whether there is one.
+unwritable() {
+  local path place
+  for path; do
+    place=$path
+    while [[ ! -e $place && ! -L $place ]]; do place=$(dirname -- "$place"); done
+    [[ -w $place ]] || { printf '%s' "$path"; return 0; }
+  done
+  return 1
 }
 
 # require_writable REMEDY PATH...: ends this process unless all can be written.
 require_writable() {
   local remedy=$1 path
   shift
-  for path; do
-    writable "$path" || die "this needs to write to $PWD/$path, which $(id -un) cannot (it is another user's, or read-only).
+  ! path=$(unwritable "$@") ||
+    die "this needs to write to $PWD/$path, which $(id -un) cannot (it is another user's, or read-only).
 $remedy"
-  done
 }
 
-# lock FILE [WORDS]: waits until nobody else holds FILE, after saying WORDS, and holds it until this process ends.
+# lock FILE: waits until nobody else holds FILE, and holds it until this process ends.
 lock() {
   mkdir -p -- "$(dirname -- "$1")"
   exec {lock_file}>>"$1"
-  flock -n "$lock_file" || { [[ -z ${2-} ]] || say "$2"; flock "$lock_file"; }
+  flock -n "$lock_file" || { say "waiting for another set-up of this checkout"; flock "$lock_file"; }
 }

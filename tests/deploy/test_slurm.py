@@ -212,14 +212,14 @@ def submit(tmp_path):
     executable(tmp_path / "bin" / "scontrol", "#!/bin/sh\nexec seq -f node%.0f 7 9999\n")
     (checkout / "deploy").symlink_to(ROOT / "deploy")
 
-    def run(*words, **environment):
+    def run(*words, status=0, **environment):
         done = subprocess.run(
             ["bash", ROOT / "deploy" / "slurm" / "metronome.sbatch", *words],
             cwd=checkout, timeout=DEADLINE, capture_output=True, text=True,
             env={"PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}", "METRONOME_BIN": str(checkout / "build" / "bin"),
                  "SLURM_NTASKS": "3", "SLURM_JOB_ID": "41", "SLURM_JOB_NODELIST": "node[7-8]", **environment})
-        assert done.returncode == 0, done.stderr
-        return [json.loads((checkout / f"said-{task}").read_text()) for task in range(3)]
+        assert done.returncode == status, done.stderr
+        return done.stderr if status else [json.loads((checkout / f"said-{task}").read_text()) for task in range(3)]
 
     return run
 
@@ -237,3 +237,9 @@ def test_a_jobs_folder_of_runs_may_have_any_name(submit, odd):
     learner, actor, _ = submit("job", RUNS=odd, LEARNER_HOST="a host", SLURM_CPUS_PER_TASK="4")
     assert learner[1:4] == ["run", "--runs", odd]
     assert actor[-4:] == ["--network", "a host", "--envs", "4"]
+
+
+@pytest.mark.parametrize("tasks", ["", "1"], ids=["not named", "one"])
+def test_a_job_of_too_few_tasks_says_what_to_ask_for(submit, tasks):
+    """Without --ntasks, Slurm names no number."""
+    assert "--ntasks" in submit("job", status=2, SLURM_NTASKS=tasks)
