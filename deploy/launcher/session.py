@@ -238,7 +238,7 @@ class Session:
             )
             self._view.note(logs.tail(actor.log))
             return
-        self._view.note(f"{what}; starting it again ({shown(actor.log)})")
+        self._view.note(f"{what}; starting it again ({shown(actor.log)}):\n{logs.tail(actor.log, 1)}")
         actor.start_later()
 
     def _end_actors(self):

@@ -65,6 +65,13 @@ def test_a_run_of_one_placement_is_evaluated_on_it(stage):
     assert "/checkpoints/latest --placements fixed\n" in launcher.text + "\n", launcher
 
 
+@pytest.mark.parametrize("name", ["train", "experiment", "exchange", "security"])
+def test_python_settings_of_others_do_not_matter(stage, tmp_path, name):
+    (tmp_path / "json.py").write_text("raise ImportError('not this one')")
+    command = ("env", "PYTHONHOME=/nowhere", f"PYTHONPATH={tmp_path}", ROOT / "deploy" / name, "--help")
+    assert stage.start(*command).wait(60) == 0
+
+
 def test_the_default_name_is_new_each_time(stage):
     for _ in range(2):
         launcher = train(stage)
