@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # A new minimal Debian 12 in a folder, and commands in it. Sourced by `run` and `presets`, which define fail MESSAGE.
 # Of this machine it gets what packages come by: their sources, certificates, and pip's settings. No other variable of
 # the environment, file or program reaches it.
@@ -8,7 +9,8 @@ ready_for_roots() {
   unshare --mount --pid --fork true 2>/dev/null ||
     fail "no mount and process namespaces can be made here (a container needs the capability SYS_ADMIN for them)"
   ! command -v debootstrap >/dev/null || return 0
-  local install=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends debootstrap debian-archive-keyring)
+  local install=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends
+    debootstrap debian-archive-keyring)
   # Package lists that are there may be good enough; old or missing ones are fetched.
   "${install[@]}" >/dev/null 2>&1 || { apt-get update -qq && "${install[@]}" >/dev/null; } ||
     fail "the program debootstrap is needed, and apt-get could not install the package of that name"
@@ -16,7 +18,7 @@ ready_for_roots() {
 
 # make_root DIR: a minimal Debian in DIR, which is not there yet. @return non-zero if that failed.
 make_root() {
-  local root=$1 sources mirror
+  local root=$1 sources mirror file
   sources=$(debian_sources)
   mirror=$(awk '$3 == "bookworm" { print $2; exit }' <<<"$sources")
   mkdir -p -- "$root"
@@ -28,6 +30,9 @@ make_root() {
   { apt-config dump Acquire 2>/dev/null || true; } |
     { grep -E '^Acquire::(https?|Retries|Check-Valid-Until|Check-Date|ForceIPv[46])' || true; } \
       >"$root/etc/apt/apt.conf.d/90sources"
+  # Certificates that it names.
+  while IFS= read -r file; do carry "$file" "$root"; done < <(
+    grep -o '"/[^"]*"' "$root/etc/apt/apt.conf.d/90sources" | tr -d '"')
   carry /usr/local/share/ca-certificates "$root"
   in_root "$root" sh -c 'update-ca-certificates && apt-get clean'
 }
@@ -37,7 +42,7 @@ make_root() {
 in_root() {
   local root=$1 file setting surroundings=()
   shift
-  for file in /etc/resolv.conf /etc/hosts /etc/pip.conf; do carry "$file" "$root"; done
+  for file in /etc/resolv.conf /etc/hosts /etc/pip.conf /root/.config/pip/pip.conf; do carry "$file" "$root"; done
   while IFS= read -r -d '' setting; do
     [[ $setting =~ ^(PIP_[A-Z_]*|SSL_CERT_(FILE|DIR)|REQUESTS_CA_BUNDLE|(https?|no|HTTPS?|NO)_(proxy|PROXY))= ]] || continue
     surroundings+=("$setting")
@@ -84,7 +89,7 @@ carry() {
 contained() {
   local status=0
   # bash starts what runs beside it with interrupts ignored, and tests send interrupts.
-  env --default-signal unshare --mount --propagation private --pid --fork --kill-child "$@" &
+  env --default-signal=INT,QUIT unshare --mount --propagation private --pid --fork --kill-child "$@" &
   running=$!
   wait "$running" || status=$?
   running=
