@@ -76,7 +76,9 @@ TEST_F(OutputThreadTest, AllIsWrittenInOrderBeforeItEnds) {
 TEST_F(OutputThreadTest, AReaderWhoStandsStillHoldsUpNobodyAndTheNewestIsKept) {
   const std::size_t lines = 4 * (OutputThread::kMostWaiting + capacity_) / 1000;
   std::optional<OutputThread> output(write_);
-  for (std::size_t i = 0; i < lines; ++i) output->Write(Line(i, 1000));  // would block for ever
+  output->Write(Line(0, 1000));
+  EXPECT_TRUE(output->Flush(kLong));
+  for (std::size_t i = 1; i < lines; ++i) output->Write(Line(i, 1000));  // would block for ever
   EXPECT_FALSE(output->Flush(milliseconds(1)));
   const auto begin = steady_clock::now();
   for (int i = 0; i < 100; ++i) EXPECT_FALSE(output->Flush(kLong)) << "known to stand still";
