@@ -249,7 +249,7 @@ RunConfig OwnConfig(const std::string& folder, std::vector<std::string>& warning
     throw ConfigError(damage + ", and the run has no checkpoint: begin anew under another --run");
   }
   throw ConfigError("no run to resume: there is no " + path +
-                    " (--runs-dir names the folder of all runs)");
+                    " (--runs names the folder of all runs)");
 }
 
 RunConfig ResumedConfig(const RunArguments& run, const CLI::App& command,
@@ -333,6 +333,10 @@ std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* cons
     }
     if (inspect.checkpoint.empty()) throw ConfigError("name the CHECKPOINT file to inspect");
     return inspect;
+  } catch (const fs::filesystem_error& error) {
+    return UsageError(app.get_name() + " " + given.get_name(),
+                      "cannot look into " + error.path1().string() + ": " +
+                          error.code().message() + " (--runs names another folder of runs)");
   } catch (const ConfigError& error) {
     return UsageError(app.get_name() + " " + given.get_name(), error.what());
   }

@@ -151,6 +151,7 @@ def test_stopping_a_run_that_cannot_leave_a_checkpoint_is_a_failure(stage):
     folder = stage.runs / "run" / "checkpoints"
     folder.rename(stage.runs / "run" / "aside")
     folder.touch()
+    launcher.expect_text("NOT WRITTEN")  # so there is an update that no checkpoint holds
     launcher.signal(signal.SIGINT)
     assert launcher.wait(90) == 1, launcher
     assert "the learner ended with" in launcher.text and "NOT WRITTEN" in launcher.text, launcher
