@@ -223,7 +223,11 @@ def _fresh_name(options):
 
 def _require_places(parser, options):
     """Makes paths absolute. What is to be a folder can be one, what is to be used is there."""
-    finds = {"runs": functools.partial(folders.writable, option="--runs"), "security": folders.usable, "build": folders.absolute}
+    finds = {
+        "runs": functools.partial(folders.writable, option="--runs"),
+        "security": folders.usable,
+        "build": folders.absolute,
+    }
     for name, find in finds.items():
         try:
             path = getattr(options, name)
