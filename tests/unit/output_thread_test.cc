@@ -39,7 +39,15 @@ class OutputThreadTest : public ::testing::Test {
     write_ = -1;
   }
 
-  std::string ReadToTheEnd() const {
+  [[nodiscard]] std::string Read(std::size_t size) const {
+    std::string text(size, '\0');
+    for (std::size_t got = 0; got < size;) {
+      got += static_cast<std::size_t>(read(read_, text.data() + got, size - got));
+    }
+    return text;
+  }
+
+  [[nodiscard]] std::string ReadToTheEnd() const {
     std::string all;
     std::array<char, 4096> block{};
     for (ssize_t got = 0; (got = read(read_, block.data(), block.size())) > 0;) {
@@ -84,11 +92,7 @@ TEST_F(OutputThreadTest, AReaderWhoStandsStillHoldsUpNobodyAndTheNewestIsKept) {
   for (int i = 0; i < 100; ++i) EXPECT_FALSE(output->Flush(kLong)) << "known to stand still";
   EXPECT_LT(steady_clock::now() - begin, kLong);
   // The reader wakes up: first what was in the pipe, then the newest of the rest.
-  std::string read_first(2 * capacity_, '\0');
-  for (std::size_t got = 0; got < read_first.size();) {
-    got += static_cast<std::size_t>(read(read_, read_first.data() + got, read_first.size() - got));
-  }
-  EXPECT_TRUE(read_first.starts_with(Line(0, 1000)));
+  EXPECT_TRUE(Read(2 * capacity_).starts_with(Line(0, 1000)));
   std::thread rest([&] {
     const std::string all = ReadToTheEnd();
     EXPECT_TRUE(all.ends_with(Line(lines - 1, 1000)));
@@ -107,9 +111,9 @@ TEST_F(OutputThreadTest, ItsEndDoesNotWaitForAReaderWhoStandsStill) {
   }
   EXPECT_GE(steady_clock::now() - begin, OutputThread::kFarewell);
   EXPECT_LT(steady_clock::now() - begin, OutputThread::kFarewell + kLong);
-  // Its thread is still about to write: let it, before the descriptor may be another file.
-  CloseWriter();
-  ReadToTheEnd();
+  Read(
+      2 *
+      capacity_);  // its thread is still writing: let it, before the descriptor may be another file
 }
 
 TEST_F(OutputThreadTest, WhatCannotBeWrittenIsDropped) {
