@@ -297,6 +297,9 @@ int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream&
     const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
     const RunConfig config = ConfigToEvaluate(checkpoint, options);
     RequireOrderFits(options, config);
+    if (const auto many = TooManyThreads(options.threads, "--threads")) {
+      err << "warning: " << *many << '\n';
+    }
     const Report report{checkpoint, options, config,
                         DifferencesFromTraining(checkpoint, options, config)};
     Warn(report.differences, err);

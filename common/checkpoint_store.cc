@@ -100,11 +100,13 @@ std::vector<fs::path> Candidates(const fs::path& latest, const Files& files) {
   } else if (fs::exists(there)) {
     candidates.push_back(latest);  // a copy that did not keep the link
   }
-  const auto older = named ? files.upper_bound(*named) : files.begin();
-  for (auto file = older; file != files.end(); ++file) candidates.push_back(file->second);
-  for (auto file = files.begin(); file != older; ++file) {
-    if (named != file->first) candidates.push_back(file->second);
+  // Of its own version there is another file if `latest` leads elsewhere.
+  const auto older = named ? files.lower_bound(*named) : files.begin();
+  for (auto file = older; file != files.end(); ++file) {
+    const bool is_latest = named && fs::equivalent(file->second, candidates.front(), error);
+    if (!is_latest) candidates.push_back(file->second);
   }
+  for (auto file = files.begin(); file != older; ++file) candidates.push_back(file->second);
   return candidates;
 }
 
@@ -234,7 +236,8 @@ void CheckpointStore::PutAside(const std::string& path) const {
   for (int count = 2; fs::exists(fs::symlink_status(to)); ++count) {
     to = path + "." + std::to_string(count) + std::string(kAside);
   }
-  fs::rename(path, to);
+  fs::rename(path, to, error);
+  if (error) throw std::system_error(error, "cannot put " + path + " aside as " + to);
 }
 
 std::optional<std::string> CheckpointStore::Latest() const {

@@ -122,8 +122,8 @@ std::optional<std::string> TooManyThreads(int threads, const std::string& option
   const int usable = UsableCpus();
   if (threads <= usable) return std::nullopt;
   return option + " asks for " + std::to_string(threads) + " threads, but this process can keep " +
-         std::to_string(usable) +
-         " CPUs busy (cores, affinity, CPU quota): more threads than that make it slower";
+         std::to_string(usable) + (usable == 1 ? " CPU" : " CPUs") +
+         " busy (cores, affinity, CPU quota): more threads than that make it slower";
 }
 
 }  // namespace metronome

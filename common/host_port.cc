@@ -35,13 +35,16 @@ HostPort ParseOne(const std::string& text) {
   if (IsIpv6(text)) {
     throw std::invalid_argument("IPv6 is not supported: give an IPv4 address or a host name");
   }
+  if (text == "lan" || text == "loopback") {
+    throw std::invalid_argument("stands alone, or hosts do");
+  }
   const std::size_t colon = text.find(':');
   HostPort parsed{text.substr(0, colon)};
   if (parsed.host.empty() ||
       !std::all_of(parsed.host.begin(), parsed.host.end(), IsHostCharacter)) {
     throw std::invalid_argument(
         "expected HOST[:PORT], an IPv4 address or a host name of letters, digits, '.', '-' and "
-        "'_'");
+        "'_', without spaces");
   }
   if (colon != std::string::npos) parsed.port = ParsePort(text.substr(colon + 1));
   return parsed;

@@ -114,8 +114,8 @@ def add_row(path, row):
 
 def main():
     terminal.prepare()
-    options = parse_arguments()
     terminal.never_block()  # its work is the files
+    options = parse_arguments()
     stops.exit_on_stop()
     program = options.build / "bin" / "metronome-actor"
     try:

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <charconv>
 #include <filesystem>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -78,8 +79,9 @@ std::uint64_t RunFolder::NextIncarnation(std::uint64_t seen) {
   if (std::filesystem::exists(file)) {
     const std::string text = ReadFile(file);
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), last);
-    if (error != std::errc()) {
-      spdlog::warn("{} holds no number; going on from the checkpoint's {}", file, seen);
+    if (error != std::errc() || last == std::numeric_limits<std::uint64_t>::max()) {
+      spdlog::warn("{} holds no number that can grow; going on from the checkpoint's {}", file,
+                   seen);
       last = 0;
     }
   }

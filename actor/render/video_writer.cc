@@ -84,14 +84,18 @@ pid_t Spawn(std::vector<std::string> command, int input, int said, int output) {
   posix_spawn_file_actions_adddup2(&files, said, STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&files, said, STDERR_FILENO);
   posix_spawn_file_actions_adddup2(&files, output, kEncoderOutput);
-  sigset_t pipe_signal;
-  sigemptyset(&pipe_signal);
-  sigaddset(&pipe_signal, SIGPIPE);
-  posix_spawnattr_setsigdefault(&attributes, &pipe_signal);
+  // A write that fails ends it: its exit status does not tell of each.
+  sigset_t of_writing;
+  sigemptyset(&of_writing);
+  sigaddset(&of_writing, SIGPIPE);
+  sigaddset(&of_writing, SIGXFSZ);
+  posix_spawnattr_setsigdefault(&attributes, &of_writing);
   sigset_t none;  // those that this process serves in a thread are blocked in it
   sigemptyset(&none);
   posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+  // A session of its own: whether a terminal's Ctrl-C ends a render is for this process to say.
+  posix_spawnattr_setflags(&attributes,
+                           POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSID);
   std::vector<char*> words;
   words.reserve(command.size() + 1);
   for (std::string& word : command) words.push_back(word.data());
@@ -166,7 +170,11 @@ void VideoWriter::Add(const Image& frame) {
 }
 
 void VideoWriter::Finish() {
-  if (Wait() != 0) Fail();
+  const int status = Wait();
+  if (status == 128 + SIGXFSZ) {
+    throw std::runtime_error("cannot write " + path_ + ": larger than files may be (ulimit -f)");
+  }
+  if (status != 0) Fail();
   WriteFileAtomically(path_, video_.Content());
 }
 

@@ -103,8 +103,8 @@ def _wanted(options, there):
 
 def main():
     terminal.prepare()
-    options = _parser().parse_args()
     terminal.never_block()  # its work is the files
+    options = _parser().parse_args()
     folders.usable(options.folder)
     authority = _authority(options)
     there = authority.names()

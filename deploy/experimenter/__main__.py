@@ -179,7 +179,10 @@ def _places(options):
 
 def main():
     terminal.prepare()
+    outlets = terminal.never_block()
     options = _parse(sys.argv[1:])
+    if options.list:  # it has no other work than to be read
+        sys.stdout = sys.__stdout__
     try:
         experiment = matrix.load(options.file)
         cells = _chosen(experiment, options.cells)
@@ -188,7 +191,6 @@ def main():
             _list(cells, files)
             sys.stdout.flush()
             return 0
-        outlets = terminal.never_block()
         build = options.build or builds.set_up(experiment.mujoco)
         settings = make_settings(ROOT, build, experiment, cells)
         for cell in cells:

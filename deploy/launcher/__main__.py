@@ -11,8 +11,8 @@ from session import Session
 
 def main():
     terminal.prepare()
-    options = command_line.parse(sys.argv[1:])
     outlets = terminal.never_block()
+    options = command_line.parse(sys.argv[1:])
     warning = command_line.warning(options)
     if warning:
         print(f"deploy/train: {warning}", file=sys.stderr)

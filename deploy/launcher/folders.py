@@ -1,6 +1,7 @@
 """Folders that a person names: what can be said of them before anything is written."""
 
 import os
+import stat
 from pathlib import Path
 
 
@@ -20,6 +21,16 @@ def absolute(path):
     except FileNotFoundError:
         raise OSError(f"{path} begins at the current folder, which was removed: "
                       "change to another one, or name the whole path") from None
+
+
+def require_file(path):
+    """@throws OSError, whose message is for people, unless `path` is a file."""
+    try:
+        is_file = stat.S_ISREG(os.stat(path).st_mode)
+    except OSError as error:
+        raise OSError(f"{path}: {error.strerror}") from None
+    if not is_file:
+        raise OSError(f"{path} is not a file")
 
 
 def usable(path):

@@ -1,5 +1,6 @@
 """The identities of a secured run's processes on this machine."""
 
+import os
 import sys
 
 import children
@@ -10,7 +11,7 @@ def make_missing(options):
     """Makes those of our learner and actors that are not there or have expired. Ends this process
     with the exit code of deploy/security if that fails."""
     folder = options.security
-    if (folder / "learner").exists() and not (folder / "authority").exists():
+    if os.path.exists(folder / "learner") and not os.path.exists(folder / "authority"):
         return  # copied here without what could make more; the processes name what they lack
     command = [ROOT / "deploy" / "security", folder, "--run", options.run]
     command += ["--actors", options.actors]

@@ -2,7 +2,7 @@
 
 import argparse
 import difflib
-import functools
+import os
 import re
 import shlex
 import sys
@@ -203,7 +203,7 @@ def _parser():
 def is_run(folder):
     """Whether the learner finds a run there. A start that was killed in its first moments leaves a
     folder without one."""
-    return (folder / "config.textproto").exists() or (folder / "checkpoints").exists()
+    return any(os.path.exists(folder / name) for name in ("config.textproto", "checkpoints"))
 
 
 def _fresh_name(options):
@@ -215,7 +215,7 @@ def _fresh_name(options):
     )
     base = re.sub(r"[^A-Za-z0-9._-]", "_", "-".join(parts)).lstrip("._-")[:58]
     name, count = base, 1
-    while (options.runs / name).exists():
+    while os.path.exists(options.runs / name):
         count += 1
         name = f"{base}-{count}"
     return name
@@ -223,11 +223,7 @@ def _fresh_name(options):
 
 def _require_places(parser, options):
     """Makes paths absolute. What is to be a folder can be one, what is to be used is there."""
-    finds = {
-        "runs": functools.partial(folders.writable, option="--runs"),
-        "security": folders.usable,
-        "build": folders.absolute,
-    }
+    finds = {"runs": folders.usable, "security": folders.usable, "build": folders.absolute}
     for name, find in finds.items():
         try:
             path = getattr(options, name)
@@ -236,7 +232,7 @@ def _require_places(parser, options):
             parser.error(f"--{name}: {error}")
     for name in ("learner", *["actor"] * bool(options.actors)):
         program = options.build and options.build / "bin" / f"metronome-{name}"
-        if program and not program.is_file():
+        if program and not os.path.isfile(program):
             parser.error(f"--build: there is no {program}; without --build it is made")
 
 
@@ -269,12 +265,14 @@ def parse(arguments):
     options.named = options.run is not None
     if options.task is None and options.config is None and not options.resume:
         parser.error("which task? For example: deploy/train push")
-    if options.config is not None and not Path(options.config).is_file():
-        parser.error(f"there is no configuration file {options.config}")
-    weights = getattr(options, "from")
-    # A run gone on with has read them; it only compares the name.
-    if weights is not None and not options.resume and not Path(weights).is_file():
-        parser.error(f"--from: there is no checkpoint {weights}")
+    # A run gone on with has read its weights; it only compares the name.
+    for name in ("config", *["from"] * (not options.resume)):
+        path = getattr(options, name)
+        try:
+            if path is not None:
+                folders.require_file(path)
+        except OSError as error:
+            parser.error(f"--{name}: {error}")
     if options.new_total and not options.resume:
         parser.error("--new-total is for --resume")
     if options.resume and not options.named:

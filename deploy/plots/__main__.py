@@ -171,9 +171,9 @@ def page_blocks(options, captions, made):
 
 def main():
     terminal.prepare()
+    terminal.never_block()  # its work is the files
     parser, options = parse_arguments()
     stops.exit_on_stop()
-    terminal.never_block()  # its work is the files
     try:
         writable(options.out, "--out")
     except OSError as error:

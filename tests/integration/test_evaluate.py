@@ -150,6 +150,37 @@ def test_a_stopped_render_leaves_no_file_and_no_encoder(fixed, tmp_path, number)
         assert render.returncode == 128 + number
 
 
+# Obeys interrupts whatever it was started with, as ffmpeg does.
+OBEDIENT_ENCODER = """#!/usr/bin/python3
+import os, signal, sys
+signal.signal(signal.SIGINT, lambda *_: sys.exit(1))
+open(f"{os.environ['FOLDER']}/started", "w").close()
+open(f"{os.environ['FOLDER']}/go").read()
+sys.stdin.buffer.read()
+with open(sys.argv[-1], "w") as file:
+    file.write("a video")
+"""
+
+
+def test_an_interrupt_that_was_ignored_at_the_start_ends_no_encoder(fixed, tmp_path):
+    encoder, video = tmp_path / "bin" / "ffmpeg", tmp_path / "video.mp4"
+    encoder.parent.mkdir()
+    encoder.write_text(OBEDIENT_ENCODER, encoding="utf-8")
+    encoder.chmod(0o755)
+    os.mkfifo(tmp_path / "go")
+    variables = {"PATH": f"{encoder.parent}:{os.environ['PATH']}", "FOLDER": str(tmp_path)}
+    command = ("env", "--ignore-signal=INT", ACTOR, "render", "--checkpoint", fixed, "--out", video)
+    render = subprocess.Popen([*map(str, command)], env=os.environ | variables, start_new_session=True)
+    try:
+        appears(tmp_path / "started")
+        os.killpg(render.pid, signal.SIGINT)  # as a terminal's Ctrl-C does
+        (tmp_path / "go").write_text("")
+        assert render.wait(60) == 0
+    finally:
+        render.kill()
+    assert video.read_text() == "a video"
+
+
 def test_what_cannot_be_written_is_an_error(fixed, tmp_path):
     with open("/dev/full", "w", encoding="utf-8") as full:
         for command in (("evaluate", "--placements", "fixed"), ("render", "--csv", tmp_path / "path.csv")):

@@ -69,3 +69,13 @@ def test_a_result_that_cannot_be_written_is_an_error(stage, tmp_path, monkeypatc
         process = stage.start(*limited(0, *command))
         assert process.wait(60) == 1, process
         assert "cannot write" in process.text, process
+
+
+def test_a_video_that_is_larger_than_files_may_be_is_an_error(stage, tmp_path, monkeypatch):
+    monkeypatch.setenv("OUT", "/dev/null")
+    video = tmp_path / "video.mp4"
+    video.write_text("an older one")
+    render = stage.start(*limited(20, ACTOR, "render", "--checkpoint", POLICY, "--out", video, "--every", 5))
+    assert render.wait() == 1, render
+    assert str(video) in render.text and "ulimit -f" in render.text, render
+    assert video.read_text() == "an older one"

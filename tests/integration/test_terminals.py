@@ -88,6 +88,11 @@ def test_output_that_nobody_reads_stops_no_run(stage, unread):
     assert version(stage) == UPDATES
 
 
+@pytest.mark.parametrize("program", ["train", "experiment", "exchange", "security"])
+def test_a_usage_error_that_nobody_reads_ends_with_2(stage, unread, program):
+    assert start_unread(stage, unread, [ROOT / "deploy" / program, "--bogus"]).wait(60) == 2
+
+
 def test_ctrl_c_is_served_while_nobody_reads(stage, unread):
     launcher = start_unread(stage, unread, words(stage, small=ENDLESS))
     stage.status("run", "--follow", "--wait", 60).expect(lambda line: '"version":' in line, "the run's state")
