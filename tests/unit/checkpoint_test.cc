@@ -369,6 +369,16 @@ TEST_F(NewestCheckpointTest, ADamagedOneIsPutAsideHoweverLatestNamesIt) {
   EXPECT_TRUE(fs::exists(Path("000004.ckpt.damaged")));
 }
 
+TEST_F(NewestCheckpointTest, WhereLatestLeadsElsewhereTheFolderHasItsOwnOfThatVersion) {
+  fs::create_directory(root_ + "/elsewhere");
+  const std::string foreign = fs::absolute(root_).string() + "/elsewhere/000004.ckpt";
+  std::ofstream(foreign) << "damaged";
+  PointLatestAt(foreign);
+  EXPECT_EQ(GoOn(), 4U);
+  EXPECT_EQ(fs::read_symlink(Path("latest")), "000004.ckpt");
+  EXPECT_TRUE(fs::exists(foreign)) << "it is not ours";
+}
+
 TEST_F(NewestCheckpointTest, NothingThatWasPutAsideIsWrittenOver) {
   for (const std::string content : {"one", "two"}) {
     Write("000004.ckpt", content);

@@ -421,6 +421,7 @@ TEST(ValidateTest, HostsThatCannotBeAreNamedWithTheReason) {
              {"node-7,,node-8", "''", "nothing stands here"},
              {"node-7,", "''", "nothing stands here"},
              {"node-7, node-8", "' node-8'", "expected HOST[:PORT]"},
+             {"lan,node-7", "'lan'", "stands alone"},
              {"node-7/24", "'node-7/24'", "expected HOST[:PORT]"},
              {"[node-7]:7400", "'[node-7]:7400'", "expected HOST[:PORT]"},
              {":7400", "':7400'", "expected HOST[:PORT]"},

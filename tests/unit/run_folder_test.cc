@@ -36,6 +36,8 @@ TEST_F(RunFolderTest, ALostOrDamagedCounterGoesOnFromTheCheckpoint) {
   EXPECT_EQ(folder.NextIncarnation(4), 5U);
   std::ofstream(folder.File("incarnation"), std::ios::trunc);
   EXPECT_EQ(folder.NextIncarnation(4), 5U);
+  std::ofstream(folder.File("incarnation")) << "18446744073709551615\n";  // the next would be 0
+  EXPECT_EQ(folder.NextIncarnation(4), 5U);
   std::filesystem::remove(folder.File("incarnation"));
   std::filesystem::create_directory(folder.File("incarnation"));
   EXPECT_EQ(folder.NextIncarnation(4), 5U);
