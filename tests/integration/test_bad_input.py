@@ -30,7 +30,7 @@ from harness import ACTOR, LEARNER
         (("--task", "push", "--discovery-server", "127.0.0.1"), ("--network lan",)),
         (("--task", "push", "--discovery-server", "a:b", "--network", "lan"), ("a:b", "port")),
         (("--task", "push", "--network", "::1"), ("--network", "'::1': IPv6 is not supported")),
-        (("--task", "push", "--network", "lan,[::1]:7400"), ("'[::1]:7400': IPv6 is not",)),
+        (("--task", "push", "--network", "10.0.0.7,[::1]:7400"), ("'[::1]:7400': IPv6 is not",)),
         (("--task", "push", "--network", "udp://10.0.0.7"), ("is a URL: give HOST[:PORT] alone",)),
         (("--task", "push", "--network", "10.0.0.7,,10.0.0.8"), ("nothing stands here",)),
         (("--task", "push", "--network", "no-such-host.invalid"), ("no IPv4 address is known",)),
