@@ -126,6 +126,35 @@ def test_runs_that_cannot_be_kept_are_refused_before_anything_is_set_up(checkout
     assert f"cannot write to {checkout}/runs" in done.stderr and "--runs DIR" in done.stderr, done.stderr
 
 
+@pytest.fixture
+def build(checkout):
+    """One whose learner ends with 7."""
+    (checkout / "made").mkdir()
+    for name in ("learner", "actor"):
+        program(checkout / "made" / "bin" / f"metronome-{name}", "exit 7")
+    return checkout / "made"
+
+
+@needs_root
+def test_a_run_of_ones_own_is_gone_on_with_in_a_folder_of_somebody_elses(checkout, build):
+    own = checkout / "runs" / "mine" / "checkpoints"
+    own.mkdir(parents=True)
+    for path in (own, own.parent):
+        os.chown(path, 65534, 65534)
+    done = run(checkout, "deploy/train", "push", "--build", build, "--run", "mine", "--resume", by=NOBODY)
+    assert done.returncode == 7, done.stderr
+
+
+@needs_root
+@pytest.mark.parametrize("option", ["--config", "--from", "--build", "--security", "--runs"])
+def test_what_cannot_be_looked_into_is_named(checkout, place, build, option):
+    closed = place / "closed"
+    closed.mkdir(mode=0o700)
+    done = run(checkout, "deploy/train", "push", "--runs", "/tmp", "--build", build, option, closed / "inside", by=NOBODY)
+    assert done.returncode == (1 if option == "--security" else 2), done.stderr
+    assert str(closed) in done.stderr and "Traceback" not in done.stderr, done.stderr
+
+
 @needs_root
 def test_an_experiment_whose_results_cannot_be_kept_is_refused(checkout):
     done = run(checkout, "deploy/experiment", checkout / "deploy/experiments/main.toml", "--runs", "/tmp", by=NOBODY)
