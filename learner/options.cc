@@ -335,8 +335,8 @@ std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* cons
     return inspect;
   } catch (const fs::filesystem_error& error) {
     return UsageError(app.get_name() + " " + given.get_name(),
-                      "cannot look into " + error.path1().string() + ": " +
-                          error.code().message() + " (--runs names another folder of runs)");
+                      "cannot look into " + error.path1().string() + ": " + error.code().message() +
+                          " (--runs names another folder of runs)");
   } catch (const ConfigError& error) {
     return UsageError(app.get_name() + " " + given.get_name(), error.what());
   }
