@@ -15,6 +15,7 @@ sys.path.insert(0, str(ROOT / "deploy" / "launcher"))
 import folders  # noqa: E402
 import stops  # noqa: E402
 import terminal  # noqa: E402
+import whole_files  # noqa: E402
 
 COLUMNS = ("order", "success", "success_end", "return", "time_to_success",
            "episodes", "seed", "engine", "weights_sha256")
@@ -107,9 +108,7 @@ def add_row(path, row):
     else:
         writer.writeheader()
     writer.writerow(row)
-    partial = path.with_name(path.name + ".tmp")
-    partial.write_text(text.getvalue(), encoding="utf-8")
-    os.replace(partial, path)
+    whole_files.write(path, text.getvalue())
 
 
 def main():

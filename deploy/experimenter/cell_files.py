@@ -12,6 +12,7 @@ import os
 import re
 import shutil
 
+import whole_files
 from options import is_run
 
 CHECKPOINT = re.compile(r"(\d{6,})\.ckpt")
@@ -39,9 +40,7 @@ def _read_json(path):
 
 def write_atomically(path, text):
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(path.name + ".tmp")
-    partial.write_text(text)
-    os.replace(partial, path)
+    whole_files.write(path, text)
 
 
 class CellFiles:

@@ -9,6 +9,8 @@ import subprocess
 import sys
 import time
 
+import stops
+
 _LIBC = ctypes.CDLL(None, use_errno=True)
 _PR_SET_PDEATHSIG = 1
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -44,16 +46,10 @@ def start(command, at_our_death=signal.SIGKILL, obeys=WE_STOP_BY, **streams):
     )
 
 
-def _handle(number, handler):
-    """What was ignored when we were started stays ignored."""
-    if signal.getsignal(number) != signal.SIG_IGN:
-        signal.signal(number, handler)
-
-
 def run_in_foreground(command):
     """Runs `command` with our terminal (it may ask for a password) to its end.
     @return its exit code. SIGTERM ends it, and us with 143."""
-    _handle(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    stops.handle(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     child = subprocess.Popen(command, preexec_fn=_sent_when_we_die(signal.SIGTERM))
     try:
         return child.wait()
@@ -76,7 +72,7 @@ class Events:
         os.set_blocking(self._write, False)
         signal.set_wakeup_fd(self._write, warn_on_full_buffer=False)
         for number in STOP_SIGNALS:
-            _handle(number, lambda *_: None)
+            stops.handle(number, lambda *_: None)
         signal.signal(signal.SIGCHLD, lambda *_: None)  # ignored, it would hide how children ended
         signal.signal(signal.SIGTTOU, signal.SIG_IGN)  # what a terminal stops its writers by (tostop)
         self._selector.register(self._read, selectors.EVENT_READ, self._take_signals)

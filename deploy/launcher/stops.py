@@ -1,12 +1,17 @@
-"""Signals that ask a program to stop, as exceptions: what was begun is tidied up on the way out."""
+"""Signals that ask a program to stop."""
 
 import signal
 import sys
 
 
+def handle(number, handler):
+    """As signal.signal, but what was ignored when we were started stays ignored."""
+    if signal.getsignal(number) != signal.SIG_IGN:
+        signal.signal(number, handler)
+
+
 def exit_on_stop():
-    """SIGTERM and SIGHUP raise SystemExit, as SIGINT raises KeyboardInterrupt; ignored ones stay ignored.
-    subprocess.run then ends its child."""
+    """SIGTERM and SIGHUP raise SystemExit, as SIGINT raises KeyboardInterrupt: what was begun is tidied up on the
+    way out, and subprocess.run ends its child."""
     for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, lambda got, _: sys.exit(128 + got))
+        handle(number, lambda got, _: sys.exit(128 + got))
