@@ -5,13 +5,13 @@ import csv
 import io
 import json
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "deploy" / "launcher"))
 
+import children  # noqa: E402
 import folders  # noqa: E402
 import stops  # noqa: E402
 import terminal  # noqa: E402
@@ -54,8 +54,7 @@ def orders(heads):
 
 def said_by(*command):
     """@return the JSON object that the program prints."""
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True,
-                          errors="surrogateescape")
+    done = children.said_by([str(word) for word in command])
     if done.returncode != 0:
         raise Refused(done.stderr.strip() or f"{command[0]} ended with {done.returncode}")
     return json.loads(done.stdout)

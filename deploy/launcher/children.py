@@ -46,6 +46,13 @@ def start(command, at_our_death=signal.SIGKILL, obeys=WE_STOP_BY, **streams):
     )
 
 
+def said_by(command):
+    """Runs `command` to its end. @return subprocess.CompletedProcess with all that it said, as text. It ends when we do:
+    an exception that comes before subprocess.run knows its child (a stop, stops.exit_on_stop) leaves it running."""
+    return subprocess.run(command, capture_output=True, text=True, errors="surrogateescape",
+                          preexec_fn=_sent_when_we_die(signal.SIGKILL))
+
+
 def run_in_foreground(command):
     """Runs `command` with our terminal (it may ask for a password) to its end.
     @return its exit code. SIGTERM ends it, and us with 143."""

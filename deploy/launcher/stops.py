@@ -12,6 +12,6 @@ def handle(number, handler):
 
 def exit_on_stop():
     """SIGTERM and SIGHUP raise SystemExit, as SIGINT raises KeyboardInterrupt: what was begun is tidied up on the
-    way out, and subprocess.run ends its child."""
+    way out, and children.said_by ends its child."""
     for number in (signal.SIGTERM, signal.SIGHUP):
         handle(number, lambda got, _: sys.exit(128 + got))

@@ -1,8 +1,8 @@
 """The skill figure and a video of each committed policy, drawn by `metronome-actor render`."""
 
-import subprocess
 from pathlib import Path
 
+import children
 from names import TASKS, in_order
 
 # Placements that no training run draws; the same ones as the experiments' evaluations.
@@ -29,9 +29,8 @@ def renderer(root):
 
 def render(program, checkpoint, target):
     """Makes the picture or video `target`. @return what the program said of the episode."""
-    done = subprocess.run([str(program), "render", "--checkpoint", str(checkpoint), "--seed", str(SEED),
-                           "--episode", str(EPISODE), "--out", str(target)],
-                          capture_output=True, text=True, errors="surrogateescape")
+    done = children.said_by([str(program), "render", "--checkpoint", str(checkpoint), "--seed", str(SEED),
+                             "--episode", str(EPISODE), "--out", str(target)])
     if done.returncode != 0:
         raise RenderError(f"{Path(checkpoint).name}: {done.stderr.strip()}")
     return done.stdout.strip()
