@@ -108,3 +108,11 @@ def test_other_placements_than_in_training_are_said_and_a_stop_ends_the_evaluati
     assert exchanging.wait(30) == 128 + signal.SIGTERM, exchanging
     # Where the stop came before Python knew its child, the kernel ends the child after its parent.
     wait_until(lambda: not commands_with(*evaluation), exchanging)
+
+
+def test_a_killed_exchange_leaves_no_evaluation(stage, checkpoint, tmp_path):
+    exchanging = exchange(stage, checkpoint, tmp_path, "--episodes", 1000000)
+    evaluation = ("evaluate", str(checkpoint), "1000000")
+    wait_until(lambda: commands_with(*evaluation), exchanging)
+    exchanging.kill()
+    wait_until(lambda: not commands_with(*evaluation), exchanging)
