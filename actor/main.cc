@@ -13,22 +13,21 @@
 #include <stdexcept>
 #include <variant>
 
-#include "actor/actor_client.h"
+#include "actor/client/actor_client.h"
 #include "actor/metaworld/assets.h"
 #include "actor/options.h"
-#include "common/build_info.h"
-#include "common/cpu_count.h"
-#include "common/cpu_times.h"
 #include "common/dds/dds_bus.h"
-#include "common/ignored_signals.h"
-#include "common/logging.h"
-#include "common/process_identity.h"
-#include "common/signal_watch.h"
+#include "common/process/build_info.h"
+#include "common/process/cpu_count.h"
+#include "common/process/cpu_times.h"
+#include "common/process/exit_codes.h"
+#include "common/process/ignored_signals.h"
+#include "common/process/logging.h"
+#include "common/process/process_identity.h"
+#include "common/process/signal_watch.h"
 
 namespace metronome {
 namespace {
-
-enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2, kNoLearner = 3, kSignalBase = 128 };
 
 ActorClientOptions ClientOptions(const RunOptions& options) {
   ActorClientOptions client;
@@ -52,15 +51,15 @@ ActorClientOptions ClientOptions(const RunOptions& options) {
 int StatusOf(ActorEnd end, int signal) {
   switch (end) {
     case ActorEnd::kFinished:
-      return kOk;
+      return kExitFinished;
     case ActorEnd::kStopped:
-      return kSignalBase + signal;
+      return kExitSignalBase + signal;
     case ActorEnd::kNoLearner:
-      return kNoLearner;
+      return kExitNoLearner;
     case ActorEnd::kRefused:
       break;
   }
-  return kFailed;
+  return kExitFailure;
 }
 
 /// Whom a signal stops, while there is someone.
@@ -119,22 +118,22 @@ int Execute(const RunOptions& options) {
   const std::string assets = metaworld::DefaultAssetsPath();
   if (!std::filesystem::is_directory(assets)) {
     spdlog::error("the Meta-World scene files are not at {}: run deploy/setup", assets);
-    return kUsage;
+    return kExitUsage;
   }
   try {
     return Serve(options);
   } catch (const SetUpFailed& error) {
     spdlog::error("{}", error.what());
-    return kUsage;
+    return kExitUsage;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
-    return kFailed;
+    return kExitFailure;
   }
 }
 
 /// Of the commands that come to an end by themselves: a stop needs no word, and nothing is left to
 /// tidy, since what they write is whole or not there.
-void EndAtOnce(int signal) { _exit(kSignalBase + signal); }
+void EndAtOnce(int signal) { _exit(kExitSignalBase + signal); }
 
 int Execute(const TraceOptions& options) { return RunTrace(options, std::cout); }
 int Execute(const PlacementsOptions& options) { return RunPlacements(options, std::cout); }

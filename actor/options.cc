@@ -5,14 +5,14 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/build_info.h"
-#include "common/cli_number.h"
-#include "common/cli_parse.h"
-#include "common/config.h"
+#include "common/config/config.h"
+#include "common/config/task_names.h"
 #include "common/dds/security.h"
-#include "common/logging.h"
-#include "common/near_miss.h"
-#include "common/task_names.h"
+#include "common/process/build_info.h"
+#include "common/process/logging.h"
+#include "common/text/cli_number.h"
+#include "common/text/cli_parse.h"
+#include "common/text/near_miss.h"
 
 namespace metronome {
 namespace {

@@ -5,12 +5,12 @@
 #include <string>
 #include <variant>
 
-#include "actor/evaluate.h"
-#include "actor/placements.h"
+#include "actor/play/evaluate.h"
+#include "actor/play/placements.h"
 #include "actor/render/render.h"
-#include "actor/trace.h"
-#include "common/dds/bus_options.h"
-#include "common/logging.h"
+#include "actor/replay/trace.h"
+#include "common/messages/bus_options.h"
+#include "common/process/logging.h"
 
 namespace metronome {
 

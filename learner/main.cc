@@ -4,15 +4,15 @@
 #include <stdexcept>
 #include <variant>
 
-#include "common/checkpoint.h"
-#include "common/config.h"
-#include "common/ignored_signals.h"
-#include "common/network.h"
-#include "learner/exit_codes.h"
-#include "learner/inspect.h"
+#include "common/checkpoint/checkpoint.h"
+#include "common/config/config.h"
+#include "common/policy/network.h"
+#include "common/process/exit_codes.h"
+#include "common/process/ignored_signals.h"
 #include "learner/options.h"
+#include "learner/record/inspect.h"
 #include "learner/serve.h"
-#include "learner/watch.h"
+#include "learner/show_status.h"
 
 namespace metronome {
 namespace {

@@ -7,16 +7,17 @@
 #include <system_error>
 #include <vector>
 
-#include "common/build_info.h"
-#include "common/checkpoint.h"
-#include "common/cli_number.h"
-#include "common/cli_parse.h"
-#include "common/config.h"
-#include "common/files.h"
-#include "common/logging.h"
-#include "common/near_miss.h"
-#include "common/task_names.h"
-#include "learner/initial_weights.h"
+#include "common/checkpoint/checkpoint.h"
+#include "common/config/config.h"
+#include "common/config/task_names.h"
+#include "common/process/build_info.h"
+#include "common/process/files.h"
+#include "common/process/logging.h"
+#include "common/text/cli_number.h"
+#include "common/text/cli_parse.h"
+#include "common/text/near_miss.h"
+#include "learner/record/run_folder.h"
+#include "learner/run/initial_weights.h"
 
 namespace metronome {
 namespace {
@@ -108,7 +109,7 @@ void AddConfigOptions(CLI::App& command, ConfigArguments& arguments) {
   }
   command
       .add_option("--config", arguments.file,
-                  "Configuration file in Protobuf text format (fields: common/config.proto)")
+                  "Configuration file in Protobuf text format (fields: common/schema/config.proto)")
       ->type_name("FILE");
   command
       .add_option(
@@ -291,10 +292,6 @@ RunOptions BuildRun(const RunArguments& run, const CLI::App& command,
 }
 
 }  // namespace
-
-std::string ConfigPathOf(const std::string& run_folder) {
-  return (fs::path(run_folder) / "config.textproto").string();
-}
 
 std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* const* argv) {
   CLI::App app("Learns a task from the episodes of actors (metronome-actor run --run NAME).",

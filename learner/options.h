@@ -5,20 +5,16 @@
 #include <variant>
 #include <vector>
 
-#include "common/config.pb.h"
-#include "common/logging.h"
+#include "common/process/logging.h"
+#include "common/schema/config.pb.h"
+#include "learner/record/progress_printer.h"
+#include "learner/run/run_start.h"
 
 /// The command line of metronome-learner.
 namespace metronome {
 
-enum class ProgressStyle { kLines, kJson, kNone };
-
 /// `run`: everything checked, nothing started.
-struct RunOptions {
-  std::string run;     // its name: folder and DDS partition
-  std::string folder;  // RUNS_DIR/NAME; may not exist yet
-  bool resume = false;
-  RunConfig config;  // resolved and valid; with `resume` the run's own, runtime as asked for
+struct RunOptions : RunRequest {
   std::vector<std::string> warnings;  // to be logged
   ProgressStyle progress = ProgressStyle::kLines;
   LogOptions log;
@@ -56,8 +52,5 @@ using LearnerCommand = std::variant<RunOptions, InspectOptions, PrintConfigOptio
 ///         them a run that exists (without --resume) or does not (with it), and a difference that
 ///         forbids resuming.
 std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* const* argv);
-
-/// RUN_FOLDER/config.textproto, the resolved configuration of a run.
-std::string ConfigPathOf(const std::string& run_folder);
 
 }  // namespace metronome

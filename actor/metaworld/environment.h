@@ -2,11 +2,10 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "common/episode.h"
+#include "common/messages/episode.h"
 
 namespace metronome::metaworld {
 
@@ -50,11 +49,5 @@ class Environment {
   /// std::invalid_argument if a component is not finite.
   virtual StepResult Step(const Action& action) = 0;
 };
-
-/// @param task  any accepted spelling (see task_table.h).
-/// @throws std::invalid_argument for an unknown task (names the near miss and the list),
-///         std::runtime_error when scene files are missing (says to run deploy/setup).
-std::unique_ptr<Environment> MakeEnvironment(const std::string& task,
-                                             const EnvironmentOptions& options);
 
 }  // namespace metronome::metaworld

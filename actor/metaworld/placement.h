@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "actor/metaworld/environment.h"
-#include "actor/metaworld/task_table.h"
-#include "common/random.h"
+#include "actor/metaworld/task_spec.h"
+#include "common/numbers/random.h"
 
 /// Where an episode starts: object and goal. Pure functions.
 namespace metronome::metaworld {

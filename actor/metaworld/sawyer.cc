@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "actor/metaworld/assets.h"
-#include "actor/metaworld/control_step.h"
+#include "actor/metaworld/engine/control_step.h"
 
 namespace metronome::metaworld {
 namespace {
@@ -237,17 +237,6 @@ StepResult SawyerEnvironment::ReplayStep(const RecordedState& state, const Actio
   mj_forward(model_.get(), data_.get());
   ++steps_;
   return Conclude(action);
-}
-
-std::unique_ptr<SawyerEnvironment> MakeSawyerEnvironment(const std::string& task,
-                                                         const EnvironmentOptions& options) {
-  const TaskSpec& spec = FindTask(task);
-  return spec.make(spec, options);
-}
-
-std::unique_ptr<Environment> MakeEnvironment(const std::string& task,
-                                             const EnvironmentOptions& options) {
-  return MakeSawyerEnvironment(task, options);
 }
 
 }  // namespace metronome::metaworld

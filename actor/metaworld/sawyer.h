@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "actor/metaworld/control_step.h"
-#include "actor/metaworld/engine.h"
+#include "actor/metaworld/engine/control_step.h"
+#include "actor/metaworld/engine/engine.h"
 #include "actor/metaworld/environment.h"
 #include "actor/metaworld/reward_terms.h"
-#include "actor/metaworld/task_table.h"
+#include "actor/metaworld/task_spec.h"
 
 namespace metronome::metaworld {
 
@@ -137,9 +137,5 @@ class SawyerEnvironment : public Environment {
   Frame previous_frame_{};
   int steps_ = kMaxSteps;  // none left before the first reset
 };
-
-/// As MakeEnvironment, with what replays need.
-std::unique_ptr<SawyerEnvironment> MakeSawyerEnvironment(const std::string& task,
-                                                         const EnvironmentOptions& options);
 
 }  // namespace metronome::metaworld

@@ -8,8 +8,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "common/near_miss.h"
-#include "common/number_text.h"
+#include "common/text/near_miss.h"
+#include "common/text/number_text.h"
 
 namespace metronome {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/number_text.h"
+#include "common/text/number_text.h"
 
 namespace metronome {
 namespace {

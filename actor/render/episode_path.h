@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "actor/evaluate.h"
 #include "actor/metaworld/sawyer.h"
-#include "common/config.pb.h"
-#include "common/head_schedule.h"
-#include "common/messages.h"
+#include "actor/play/evaluate.h"
+#include "common/messages/messages.h"
+#include "common/policy/head_schedule.h"
+#include "common/schema/config.pb.h"
 
 namespace metronome {
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "common/files.h"
+#include "common/process/files.h"
 
 namespace metronome {
 

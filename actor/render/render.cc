@@ -9,16 +9,17 @@
 
 #include "actor/metaworld/assets.h"
 #include "actor/metaworld/sawyer.h"
+#include "actor/metaworld/tasks/task_table.h"
+#include "actor/play/training_differences.h"
 #include "actor/render/camera.h"
 #include "actor/render/episode_path.h"
 #include "actor/render/episode_pictures.h"
 #include "actor/render/video_writer.h"
-#include "actor/training_differences.h"
-#include "common/checkpoint.h"
-#include "common/files.h"
-#include "common/near_miss.h"
-#include "common/number_text.h"
-#include "common/snapshot.h"
+#include "common/checkpoint/checkpoint.h"
+#include "common/policy/snapshot.h"
+#include "common/process/files.h"
+#include "common/text/near_miss.h"
+#include "common/text/number_text.h"
 
 namespace metronome {
 namespace {

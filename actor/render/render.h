@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "actor/evaluate.h"
+#include "actor/play/evaluate.h"
 #include "actor/render/image.h"
 
 namespace metronome {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "actor/metaworld/engine.h"
+#include "actor/metaworld/engine/engine.h"
 #include "actor/render/episode_path.h"
 #include "actor/render/image.h"
 #include "actor/render/offscreen_gl.h"

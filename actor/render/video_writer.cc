@@ -17,8 +17,8 @@
 #include <system_error>
 #include <vector>
 
-#include "common/files.h"
-#include "common/number_text.h"
+#include "common/process/files.h"
+#include "common/text/number_text.h"
 
 namespace metronome {
 namespace {

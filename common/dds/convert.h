@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "common/messages.h"
+#include "common/messages/messages.h"
 #include "idl/metronome.h"
 
 /// Messages to wire types and back. Stateless and thread-safe. What carries arrays is taken by

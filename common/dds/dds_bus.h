@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <memory>
 
-#include "common/bus.h"
-#include "common/dds/bus_options.h"
+#include "common/messages/bus.h"
+#include "common/messages/bus_options.h"
 
-/// The wire: common/bus.h over Fast DDS. One participant per bus, and one bus per process (two in
-/// one process work, over the transport like strangers; tests do that).
+/// The wire: common/messages/bus.h over Fast DDS. One participant per bus, and one bus per process
+/// (two in one process work, over the transport like strangers; tests do that).
 ///
 /// Samples that cannot be right come out as BadSample, whatever bytes they hold. Exceptions to
 /// that: an ActorStatus or RunDescription of another protocol version comes out as itself, with its

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <mutex>
 
-#include "common/bus.h"
+#include "common/messages/bus.h"
 
 namespace metronome::dds {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "common/dds/bus_options.h"
+#include "common/messages/bus_options.h"
 
 /// What a participant needs of this machine.
 namespace metronome {

@@ -14,12 +14,13 @@
 #include <utility>
 
 #include "common/dds/actor_filter.h"
-#include "common/dds/lease_race_guard.h"
 #include "common/dds/machine.h"
 #include "common/dds/participant_qos.h"
 #include "common/dds/security.h"
-#include "common/dds/surroundings.h"
 #include "common/dds/tcp.h"
+#include "common/dds/workarounds/lease_race_guard.h"
+#include "common/dds/workarounds/surroundings.h"
+#include "common/dds/workarounds/tcp_connections.h"
 
 namespace metronome::dds {
 namespace {
@@ -130,7 +131,7 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
       if (FindsLearnersAlone(role)) {
         CutMuteConnections(port);
       } else {
-        EndSilentConnections(port);
+        EndSilentConnections(port, std::chrono::milliseconds(kLeaseMilliseconds));
         listens_on_ = port;
       }
     }

@@ -14,11 +14,11 @@
 #include <string>
 #include <utility>
 
-#include "common/dds/bus_options.h"
-#include "common/dds/discovery_client.h"
 #include "common/dds/shared_memory.h"
 #include "common/dds/topics.h"
 #include "common/dds/wire_type.h"
+#include "common/dds/workarounds/discovery_client.h"
+#include "common/messages/bus_options.h"
 
 namespace metronome::dds {
 

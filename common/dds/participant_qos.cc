@@ -9,6 +9,7 @@
 #include "common/dds/security.h"
 #include "common/dds/shared_memory.h"
 #include "common/dds/tcp.h"
+#include "common/dds/workarounds/shared_memory_files.h"
 
 namespace metronome::dds {
 namespace {

@@ -6,7 +6,7 @@
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
 #include <string>
 
-#include "common/dds/bus_options.h"
+#include "common/messages/bus_options.h"
 
 namespace metronome::dds {
 

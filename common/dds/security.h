@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "common/dds/bus_options.h"
+#include "common/messages/bus_options.h"
 
 /// Taking part in a run whose participants deploy/security gave identities: DDS-Security with the
 /// files of one folder.

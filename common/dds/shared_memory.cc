@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "common/dds/participant_qos.h"
-#include "common/dds/shared_memory_files.h"
+#include "common/dds/workarounds/shared_memory_files.h"
 
 namespace metronome::dds {
 namespace {
@@ -77,11 +77,6 @@ void NameTheCauseOfSigbus() {
 
 std::uint32_t SegmentBytes(const std::string& role) {
   return role == kObserverRole ? kObserverSegmentBytes : kSegmentBytes;
-}
-
-std::uint32_t SharedMemoryPort() {
-  constexpr std::uint32_t kFirst = 1 << 16;
-  return kFirst + static_cast<std::uint32_t>(getpid());
 }
 
 SharedMemoryNote::SharedMemoryNote(const std::string& run_name, std::uint32_t domain,

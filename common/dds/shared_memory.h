@@ -3,13 +3,9 @@
 #include <cstdint>
 #include <string>
 
-#include "common/dds/locked_file.h"
+#include "common/dds/workarounds/locked_file.h"
 
 namespace metronome::dds {
-
-/// Shared-memory ports are numbered by process, beyond any UDP port: a killed process leaves its
-/// port behind locked, and one that takes its place must not run into it.
-std::uint32_t SharedMemoryPort();
 
 /// Bytes of the memory that a participant writes to, by its role: a history of episodes and then
 /// some; observers send next to nothing.

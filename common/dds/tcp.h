@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
 
-#include "common/dds/bus_options.h"
+#include "common/messages/bus_options.h"
 
 /// TCP as Metronome uses it: the learner listens on one port, all others connect to it and listen
 /// nowhere, so that they may sit behind firewalls and address translation.
@@ -17,29 +17,5 @@ std::uint16_t TcpPort(const BusOptions& options);
 /// sent).
 void AddTcp(const BusOptions& options, bool is_learner,
             eprosima::fastdds::dds::DomainParticipantQos* qos);
-
-/// To be called once the learner's participant is made. Fast DDS writes to sockets in blocking
-/// calls; a peer whose machine is gone, or that is stopped, would hold the learner up for as long
-/// as the system goes on trying (a quarter of an hour). So connections end after a lease's time
-/// without an answer.
-/// @throws std::runtime_error if this process does not listen on `port`: Fast DDS only logs that.
-void EndSilentConnections(std::uint16_t port);
-
-/// To be called once a participant is made that connects to the learner's `port`. Fast DDS 2.9
-/// connects and only then notes which port it wants inside the connection
-/// (TCPTransportInterface::OpenOutputChannel). If this thread is held up in between, the learner's
-/// greeting comes too early and is dropped, and nothing is ever sent over that connection. It is
-/// cut here, and the next announcement makes another, by when the port is noted. Seen once in 150
-/// joins.
-void CutMuteConnections(std::uint16_t port);
-
-/// To be called before the learner's participant is deleted, once its endpoints are. Fast DDS 2.9
-/// notes whether its receiver is in use in one bit for all connections: if two threads have just
-/// read something, the second one writes to what was deleted when the first was done
-/// (TCPTransportInterface::CloseInputChannel, perform_listen_operation), and the heap is spoiled;
-/// seen twice in 10 ends with eight actors. So the port and its connections are closed first, and
-/// their threads are waited for, which takes milliseconds; 5 s at most, since one socket was once
-/// not closed by Fast DDS (under valgrind).
-void EndConnections(std::uint16_t port);
 
 }  // namespace metronome::dds

@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-#include "common/messages.h"
+#include "common/messages/messages.h"
 #include "idl/metronomePubSubTypes.h"
 
 namespace metronome::dds {

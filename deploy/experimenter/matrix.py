@@ -12,7 +12,7 @@
     seed = 1000                       # of the placements
     placements = ["random", "mt1"]    # or "fixed": the run's own one
 
-    [set]                             # configuration of every run (common/config.proto)
+    [set]                             # configuration of every run (common/schema/config.proto)
     "ppo.epochs" = 10
 
     [arms.multihead]                  # method, heads, horizon, steps, seeds, tasks, and what differs

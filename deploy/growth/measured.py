@@ -11,11 +11,11 @@ ENGINE = "3.3.0"  # the faster one: more episodes a core, so growth ends earlier
 TRAINED_STEPS, TRAINED_EPOCHS = 13 * 8000, 10
 STEPS = 500  # an episode's
 EPISODE_BYTES = 92_000
-# One version of 2x128 with ten heads (idl/metronome.idl, common/network.h): the actor's parameters; and
+# One version of 2x128 with ten heads (idl/metronome.idl, common/policy/network.h): the actor's parameters; and
 # actor and critic, what learners would have to sum.
 ACTOR_BYTES, ALL_BYTES = 4 * 26_832, 4 * 49_754
 CROWD_BATCH = 1024  # tests/bench/suite/crowd.py
-SHARD = 128  # samples (learner/minibatch_step.h); actor and critic are a task each
+SHARD = 128  # samples (learner/ppo/minibatch_step.h); actor and critic are a task each
 
 
 class MissingFigure(Exception):

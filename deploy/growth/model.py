@@ -91,7 +91,7 @@ class Actor:
 
 
 class Run:
-    """The ledger's rules (learner/order_ledger.h) without what only failures need: lowest numbers first to
+    """The ledger's rules (learner/collect/order_ledger.h) without what only failures need: lowest numbers first to
     the least loaded, two orders a slot, one near the end, batches up to `overlap` ahead of the weights."""
 
     def __init__(self, plan, costs, seed):

@@ -118,7 +118,7 @@ def _parser():
         help="with --resume: let --steps differ (the learning rate depends on it)",
     )
     parser.add_argument(
-        "--config", metavar="F", help="configuration in Protobuf text format (common/config.proto)"
+        "--config", metavar="F", help="configuration in Protobuf text format (common/schema/config.proto)"
     )
     parser.add_argument(
         "--set",

@@ -9,16 +9,16 @@
 #include <functional>
 #include <vector>
 
-#include "common/action_noise.h"
-#include "common/config.h"
-#include "common/head_schedule.h"
-#include "common/policy.h"
-#include "common/random.h"
-#include "common/snapshot.h"
-#include "learner/minibatch_step.h"
-#include "learner/trainer.h"
-#include "learner/training_batch.h"
-#include "learner/worker_team.h"
+#include "common/config/config.h"
+#include "common/numbers/random.h"
+#include "common/policy/action_noise.h"
+#include "common/policy/head_schedule.h"
+#include "common/policy/policy.h"
+#include "common/policy/snapshot.h"
+#include "learner/ppo/minibatch_step.h"
+#include "learner/ppo/trainer.h"
+#include "learner/ppo/training_batch.h"
+#include "learner/ppo/worker_team.h"
 
 namespace metronome {
 namespace {

@@ -14,11 +14,12 @@
 
 #include "actor/metaworld/assets.h"
 #include "actor/metaworld/sawyer.h"
-#include "actor/rollout.h"
-#include "common/config.h"
-#include "common/snapshot.h"
-#include "common/task_names.h"
-#include "learner/trainer.h"
+#include "actor/metaworld/tasks/task_table.h"
+#include "actor/play/rollout.h"
+#include "common/config/config.h"
+#include "common/config/task_names.h"
+#include "common/policy/snapshot.h"
+#include "learner/ppo/trainer.h"
 
 namespace metronome {
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "common/config.h"
-#include "common/logging.h"
+#include "common/config/config.h"
+#include "common/process/logging.h"
 #include "tests/bench/swarm_actor.h"
 #include "tests/bench/swarm_bank.h"
 #include "tests/bench/swarm_probe.h"

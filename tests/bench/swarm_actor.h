@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/bus.h"
-#include "common/dds/bus_options.h"
+#include "common/messages/bus.h"
+#include "common/messages/bus_options.h"
 #include "tests/bench/swarm_bank.h"
 
 namespace metronome::bench {

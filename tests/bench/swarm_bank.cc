@@ -7,12 +7,13 @@
 
 #include "actor/metaworld/assets.h"
 #include "actor/metaworld/environment.h"
-#include "actor/rollout.h"
-#include "common/action_noise.h"
-#include "common/head_schedule.h"
-#include "common/policy.h"
-#include "common/snapshot.h"
-#include "learner/trainer.h"
+#include "actor/metaworld/tasks/task_table.h"
+#include "actor/play/rollout.h"
+#include "common/policy/action_noise.h"
+#include "common/policy/head_schedule.h"
+#include "common/policy/policy.h"
+#include "common/policy/snapshot.h"
+#include "learner/ppo/trainer.h"
 
 namespace metronome::bench {
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/config.pb.h"
-#include "common/episode.h"
-#include "common/messages.h"
+#include "common/messages/episode.h"
+#include "common/messages/messages.h"
+#include "common/schema/config.pb.h"
 
 namespace metronome::bench {
 

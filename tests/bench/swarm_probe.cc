@@ -12,7 +12,8 @@
 
 #include "actor/metaworld/assets.h"
 #include "actor/metaworld/environment.h"
-#include "actor/rollout.h"
+#include "actor/metaworld/tasks/task_table.h"
+#include "actor/play/rollout.h"
 #include "common/dds/dds_bus.h"
 #include "tests/bench/swarm_process.h"
 

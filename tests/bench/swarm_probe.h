@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/dds/bus_options.h"
+#include "common/messages/bus_options.h"
 #include "tests/bench/swarm_bank.h"
 
 /// What the wire alone costs: the two buses, without learner or client. They fork.

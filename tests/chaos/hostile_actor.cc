@@ -13,11 +13,11 @@
 #include <string>
 #include <utility>
 
-#include "actor/actor_client.h"
-#include "common/build_info.h"
+#include "actor/client/actor_client.h"
 #include "common/dds/dds_bus.h"
-#include "common/logging.h"
-#include "common/process_identity.h"
+#include "common/process/build_info.h"
+#include "common/process/logging.h"
+#include "common/process/process_identity.h"
 #include "tests/chaos/spoil.h"
 #include "tests/integration/raw_writer.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "common/messages.h"
+#include "common/messages/messages.h"
 
 namespace metronome::chaos {
 

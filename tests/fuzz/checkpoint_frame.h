@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
-#include "common/checkpoint.h"
-#include "common/sha256.h"
+#include "common/checkpoint/checkpoint.h"
+#include "common/process/sha256.h"
 
 namespace metronome::fuzz {
 

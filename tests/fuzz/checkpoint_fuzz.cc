@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "common/checkpoint.h"
+#include "common/checkpoint/checkpoint.h"
 #include "tests/fuzz/checkpoint_frame.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <string>
 
-#include "common/config.h"
-#include "common/config_file.h"
+#include "common/config/config.h"
+#include "common/config/config_file.h"
 
 namespace {
 

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <cstring>
 
-#include "common/config.h"
-#include "common/network.h"
-#include "common/policy.h"
-#include "learner/episode_check.h"
+#include "common/config/config.h"
+#include "common/policy/network.h"
+#include "common/policy/policy.h"
+#include "learner/ppo/episode_check.h"
 
 namespace metronome {
 namespace {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "actor/recording.h"
+#include "actor/replay/recording.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const int file = memfd_create("recording", MFD_CLOEXEC);

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <string>
 
-#include "common/checkpoint.h"
-#include "common/config.h"
-#include "learner/trainer.h"
+#include "common/checkpoint/checkpoint.h"
+#include "common/config/config.h"
+#include "learner/ppo/trainer.h"
 #include "tests/integration/dds_fixture.h"
 #include "tests/integration/raw_writer.h"
 

@@ -1,5 +1,6 @@
 // To be preloaded into a learner: says how many connections are open when Fast DDS 2.9 begins to
-// take its TCP receivers down. Two are enough to spoil the heap (common/dds/tcp.h, EndConnections).
+// take its TCP receivers down. Two are enough to spoil the heap
+// (common/dds/workarounds/tcp_connections.h, EndConnections).
 #include <dlfcn.h>
 #include <netinet/in.h>
 #include <sys/resource.h>

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "common/dds/dds_bus.h"
-#include "common/dds/discovery_client.h"
+#include "common/dds/workarounds/discovery_client.h"
 #include "tests/integration/dds_fixture.h"
 
 namespace metronome::test {

@@ -10,8 +10,8 @@
 #include <utility>
 #include <variant>
 
-#include "common/bus.h"
 #include "common/dds/dds_bus.h"
+#include "common/messages/bus.h"
 
 /// What the tests of the DDS bus share: runs that no other test process sees, and waiting for one
 /// kind of event.

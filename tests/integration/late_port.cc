@@ -1,7 +1,7 @@
 // To be preloaded into an actor: holds the thread that connects up, once, before it notes which
 // port it wants inside the connection, so that the learner's greeting is there first
-// (common/dds/tcp.h, CutMuteConnections). It stands before a function of Fast DDS 2.9's; it says so
-// when it is called.
+// (common/dds/workarounds/tcp_connections.h, CutMuteConnections). It stands before a function of
+// Fast DDS 2.9's; it says so when it is called.
 #include <dlfcn.h>
 
 #include <atomic>

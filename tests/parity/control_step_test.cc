@@ -1,4 +1,4 @@
-#include "actor/metaworld/control_step.h"
+#include "actor/metaworld/engine/control_step.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <string>
 
 #include "actor/metaworld/assets.h"
-#include "actor/metaworld/engine.h"
-#include "actor/metaworld/task_table.h"
-#include "common/random.h"
+#include "actor/metaworld/engine/engine.h"
+#include "actor/metaworld/tasks/task_table.h"
+#include "common/numbers/random.h"
 
 /// The shortcuts of a control step against the plain loop on the bare engine, bit by bit.
 namespace metronome::metaworld {

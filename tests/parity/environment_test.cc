@@ -12,11 +12,12 @@
 #include <thread>
 #include <vector>
 
-#include "actor/canonical_episode.h"
 #include "actor/metaworld/assets.h"
-#include "actor/metaworld/engine.h"
+#include "actor/metaworld/engine/engine.h"
 #include "actor/metaworld/placement.h"
 #include "actor/metaworld/sawyer.h"
+#include "actor/metaworld/tasks/task_table.h"
+#include "actor/play/canonical_episode.h"
 
 namespace metronome::metaworld {
 namespace {

@@ -1,4 +1,4 @@
-#include "actor/metaworld/geom_bounds.h"
+#include "actor/metaworld/engine/geom_bounds.h"
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -8,10 +8,10 @@
 #include <string>
 
 #include "actor/metaworld/assets.h"
-#include "actor/metaworld/collision_pairs.h"
-#include "actor/metaworld/engine.h"
-#include "actor/metaworld/task_table.h"
-#include "common/random.h"
+#include "actor/metaworld/engine/collision_pairs.h"
+#include "actor/metaworld/engine/engine.h"
+#include "actor/metaworld/tasks/task_table.h"
+#include "common/numbers/random.h"
 
 /// The test that rules pairs out, against the engine's own collision functions on every pair of
 /// geoms in random poses: far more configurations than episodes reach.

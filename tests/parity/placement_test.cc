@@ -9,8 +9,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "common/number_text.h"
-#include "common/task_names.h"
+#include "actor/metaworld/tasks/task_table.h"
+#include "common/config/task_names.h"
+#include "common/text/number_text.h"
 
 namespace metronome::metaworld {
 namespace {

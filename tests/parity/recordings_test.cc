@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "actor/recording.h"
-#include "actor/trace.h"
+#include "actor/replay/recording.h"
+#include "actor/replay/trace.h"
 
 /// The environment held against every recording in tests/fixtures/recordings, which the official
 /// package made on MuJoCo 3.3.0. The tolerances are the reference's.

@@ -1,4 +1,4 @@
-#include "actor/trace.h"
+#include "actor/replay/trace.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,7 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "common/number_text.h"
+#include "common/text/number_text.h"
 
 namespace metronome {
 namespace {

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/messages/messages.h"
+
+namespace metronome {
+
+/// One episode to play.
+struct EpisodeTask {
+  std::shared_ptr<const PolicySnapshot> snapshot;
+  std::uint64_t number = 0;
+};
+
+/// Brings orders and snapshots together, whatever order they and their learner's description come
+/// in: topics are not ordered among each other. Orders that can never be played are forgotten:
+/// those of a learner older than the obeyed one, and those whose snapshot was overtaken. Bounded.
+/// Not thread-safe.
+class OrderBook {
+ public:
+  static constexpr std::size_t kMaxSnapshots = 8;        // the newest arrivals
+  static constexpr std::size_t kMaxHeldNumbers = 16384;  // waiting for a snapshot, in all
+
+  /// Orders of this learner start are given out from now on; those of the one before, and of older
+  /// ones, are dropped.
+  void Obey(std::uint64_t incarnation);
+  /// Nobody is obeyed: all orders are dropped.
+  void ObeyNobody();
+
+  void Add(PolicySnapshot snapshot);
+  /// @return false if the book is full; the order is dropped and will be given again.
+  bool Add(const EpisodeOrder& order);
+
+  /// What can be played, in the order it came in; each once.
+  std::vector<EpisodeTask> TakeReady();
+  /// Numbers that wait for their snapshot or their learner.
+  [[nodiscard]] std::size_t held() const { return held_numbers_; }
+
+ private:
+  using SnapshotPointer = std::shared_ptr<const PolicySnapshot>;
+  [[nodiscard]] SnapshotPointer Find(const EpisodeOrder& order) const;
+  [[nodiscard]] bool IsPast(const EpisodeOrder& order) const;
+  /// Drops the orders for which `is_dropped(order)` holds.
+  template <class Predicate>
+  void Drop(Predicate is_dropped);
+
+  std::optional<std::uint64_t> incarnation_;
+  std::deque<SnapshotPointer> snapshots_;
+  std::deque<EpisodeOrder> orders_;
+  std::size_t held_numbers_ = 0;
+};
+
+}  // namespace metronome

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "actor/metaworld/environment.h"
+
+namespace metronome::metaworld {
+
+class SawyerEnvironment;
+
+/// Everything about a task that is not its behaviour. One row of the table a task; behaviour is in
+/// tasks/NAME.cc. Sources: reference spec sections 1 and 4.
+struct TaskSpec {
+  std::string name;   // canonical, e.g. "push"; "push-v2" and "push-v3" name the same task
+  std::string scene;  // XML file, relative to the assets folder
+  RandVec low, high;  // box that a placement is drawn from, metres
+  /// A placement whose planar distance between object and goal is below this is drawn again,
+  /// metres; 0: every placement is taken.
+  double min_planar_distance;
+  std::unique_ptr<SawyerEnvironment> (*make)(const TaskSpec&, const EnvironmentOptions&);
+};
+
+}  // namespace metronome::metaworld

@@ -1,0 +1,325 @@
+#include "actor/play/evaluate.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <stdexcept>
+#include <thread>
+
+#include "actor/metaworld/assets.h"
+#include "actor/metaworld/placement.h"
+#include "actor/metaworld/tasks/task_table.h"
+#include "actor/play/rollout.h"
+#include "actor/play/training_differences.h"
+#include "common/config/config_fields.h"
+#include "common/numbers/random.h"
+#include "common/policy/policy.h"
+#include "common/policy/snapshot.h"
+#include "common/process/build_info.h"
+#include "common/process/cpu_count.h"
+#include "common/process/start_threads.h"
+#include "common/text/near_miss.h"
+
+namespace metronome {
+namespace {
+
+constexpr std::int32_t kEpisodes = 50;
+
+using Float39 = std::array<float, kObservationSize>;
+
+Float39 AsPolicySees(const metaworld::Observation& observation) {
+  Float39 result{};
+  std::transform(observation.begin(), observation.end(), result.begin(),
+                 [](double value) { return static_cast<float>(value); });
+  return result;
+}
+
+void Summarise(Evaluation& evaluation) {
+  const auto count = static_cast<double>(evaluation.episodes.size());
+  std::int64_t successes = 0;
+  std::int64_t successes_end = 0;
+  std::int64_t steps = 0;
+  double returns = 0;
+  for (const EvaluatedEpisode& episode : evaluation.episodes) {
+    successes += episode.success ? 1 : 0;
+    successes_end += episode.success_end ? 1 : 0;
+    steps += episode.steps_to_success;
+    returns += episode.episode_return;
+  }
+  evaluation.success = static_cast<double>(successes) / count;
+  evaluation.success_end = static_cast<double>(successes_end) / count;
+  evaluation.mean_return = returns / count;
+  if (successes > 0) {
+    evaluation.time_to_success = static_cast<double>(steps) / static_cast<double>(successes);
+  }
+  WilsonInterval(successes, static_cast<std::int64_t>(evaluation.episodes.size()),
+                 evaluation.success_low, evaluation.success_high);
+}
+
+std::int32_t EpisodesOf(const EvaluateOptions& options, const RunConfig& config) {
+  return options.episodes.value_or(
+      std::min(kEpisodes, DifferentEpisodes(options, config).value_or(kEpisodes)));
+}
+
+std::int32_t ThreadsFor(const EvaluateOptions& options, std::size_t episodes) {
+  return std::min(options.threads > 0 ? options.threads : UsableCpus(),
+                  static_cast<std::int32_t>(episodes));
+}
+
+// Shares the episodes out over threads; each result goes to its own place. What would be the same
+// again is not played again.
+Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
+                   const PolicySnapshot& snapshot) {
+  metaworld::EnvironmentOptions environment_options;
+  environment_options.goal_visible = config.environment().goal_visible();
+  environment_options.assets =
+      options.assets.empty() ? metaworld::DefaultAssetsPath() : options.assets;
+  const std::int32_t asked = EpisodesOf(options, config);
+  const std::int32_t different = DifferentEpisodes(options, config).value_or(asked);
+  Evaluation evaluation;
+  evaluation.episodes.resize(static_cast<std::size_t>(std::min(asked, different)));
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto work = [&](std::size_t /*thread*/) {
+    try {
+      const auto environment =
+          metaworld::MakeEnvironment(config.environment().task(), environment_options);
+      for (std::size_t i = next++; i < evaluation.episodes.size(); i = next++) {
+        evaluation.episodes[i] =
+            PlayDeterministic(config, snapshot, EvaluationSchedule(options, config, i),
+                              EvaluationPlacement(options, config, i), *environment);
+      }
+    } catch (...) {
+      const std::lock_guard lock(failure_mutex);
+      failure = std::current_exception();
+    }
+  };
+  std::vector<std::thread> threads = StartThreads(
+      static_cast<std::size_t>(ThreadsFor(options, evaluation.episodes.size())), work,
+      [&] { next = evaluation.episodes.size(); }, "--threads");
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+  for (std::int32_t i = different; i < asked; ++i) {
+    evaluation.episodes.push_back(evaluation.episodes[static_cast<std::size_t>(i - different)]);
+  }
+  Summarise(evaluation);
+  return evaluation;
+}
+
+// Before scenes are loaded, and naming the option.
+void RequireOrderFits(const EvaluateOptions& options, const RunConfig& config) {
+  try {
+    EvaluationSchedule(options, config, 0);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("--head-order: " + std::string(error.what()));
+  }
+}
+
+// The interval counts episodes as if they all differed.
+void WarnOfRepeats(const EvaluateOptions& options, const RunConfig& config, std::ostream& err) {
+  const std::int32_t asked = EpisodesOf(options, config);
+  const std::int32_t different = DifferentEpisodes(options, config).value_or(asked);
+  if (asked <= different) return;
+  err << "warning: " << options.placements << " placements make " << different
+      << (different == 1 ? " episode" : " different episodes") << ", the others of --episodes "
+      << asked << " are the same again: the interval is too narrow\n";
+}
+
+/// What was done, and how.
+struct Report {
+  const Checkpoint& checkpoint;
+  const EvaluateOptions& options;
+  const RunConfig& config;  // of the evaluation
+  std::vector<std::string> differences;
+};
+
+void PrintJson(const Evaluation& evaluation, const Report& report, std::ostream& out) {
+  const EnvironmentConfig& environment = report.config.environment();
+  nlohmann::ordered_json json;
+  json["task"] = environment.task();
+  json["version"] = report.checkpoint.state.version;
+  json["steps"] = report.checkpoint.state.steps;
+  json["episodes"] = evaluation.episodes.size();
+  json["placements"] = report.options.placements;
+  json["horizon"] = environment.horizon();
+  json["goal_visible"] = environment.goal_visible();
+  if (!report.options.head_order.empty()) json["head_order"] = report.options.head_order;
+  json["success"] = evaluation.success;
+  json["success_low"] = evaluation.success_low;
+  json["success_high"] = evaluation.success_high;
+  json["success_end"] = evaluation.success_end;
+  json["return"] = evaluation.mean_return;
+  json["time_to_success"] = nullptr;
+  if (evaluation.time_to_success) json["time_to_success"] = *evaluation.time_to_success;
+  json["engine_trained"] = report.checkpoint.engine;
+  json["engine_used"] = EngineName();
+  json["differences"] = report.differences;
+  out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+}
+
+void PrintText(const Evaluation& evaluation, const Report& report, std::ostream& out) {
+  const EnvironmentConfig& environment = report.config.environment();
+  const std::size_t episodes = evaluation.episodes.size();
+  out << environment.task() << ", weights version " << report.checkpoint.state.version << " ("
+      << report.checkpoint.state.steps << " steps), " << episodes
+      << (episodes == 1 ? " episode" : " episodes") << " of " << environment.horizon()
+      << " steps, placements " << report.options.placements << ", goal "
+      << (environment.goal_visible() ? "visible" : "hidden") << ", mean action, " << EngineName()
+      << '\n';
+  if (!report.options.head_order.empty()) {
+    out << "heads by block";
+    for (const std::uint32_t head : report.options.head_order) out << ' ' << head;
+    out << '\n';
+  }
+  out << "success      " << evaluation.success << "  (95 % interval " << evaluation.success_low
+      << " to " << evaluation.success_high << ")\n"
+      << "success_end  " << evaluation.success_end << '\n'
+      << "return       " << evaluation.mean_return << '\n';
+  if (evaluation.time_to_success) {
+    out << "first success after " << *evaluation.time_to_success << " steps in the mean\n";
+  }
+}
+
+}  // namespace
+
+void RequireValid(const EvaluateOptions& options) {
+  if (options.episodes && *options.episodes < 1) {
+    throw std::invalid_argument("--episodes must be at least 1, not " +
+                                std::to_string(*options.episodes));
+  }
+  const std::vector<std::string> known = EnumWords(*Placements_descriptor());
+  if (std::find(known.begin(), known.end(), options.placements) == known.end()) {
+    throw std::invalid_argument(UnknownName("--placements", options.placements, known));
+  }
+  if (options.placements == "mt1" && options.seed > 0xffffffffULL) {
+    throw std::invalid_argument("--seed of mt1 placements must be below 2^32");
+  }
+}
+
+RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const EvaluateOptions& options) {
+  RunConfig config = checkpoint.config;
+  if (!options.task.empty()) {
+    config.mutable_environment()->set_task(metaworld::FindTask(options.task).name);
+  }
+  SetField(config, "environment.placements", options.placements);
+  return config;
+}
+
+void Warn(const std::vector<std::string>& differences, std::ostream& err) {
+  for (const std::string& difference : differences) err << "warning: " << difference << '\n';
+}
+
+void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, double& high) {
+  if (trials < 1) throw std::invalid_argument("an interval needs at least one trial");
+  const double z = 1.959963984540054;
+  const auto n = static_cast<double>(trials);
+  const double share = static_cast<double>(successes) / n;
+  const double centre = (share + z * z / (2 * n)) / (1 + z * z / n);
+  const double half =
+      z / (1 + z * z / n) * std::sqrt(share * (1 - share) / n + z * z / (4 * n * n));
+  low = std::max(0.0, centre - half);
+  high = std::min(1.0, centre + half);
+}
+
+metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const RunConfig& config,
+                                       std::uint64_t index) {
+  const metaworld::TaskSpec& spec = metaworld::FindTask(config.environment().task());
+  switch (config.environment().placements()) {
+    case PLACEMENTS_FIXED:
+      return TrainingPlacement(config, 0);
+    case PLACEMENTS_MT1: {
+      const auto official =
+          metaworld::Mt1Placements(spec, static_cast<std::uint32_t>(options.seed));
+      return official.at(index % official.size());
+    }
+    case PLACEMENTS_RANDOM:
+      break;
+  }
+  RandomStream stream(RandomPurpose::kEvaluate, options.seed, index, kPlacementDraw);
+  return metaworld::DrawPlacement(spec, stream);
+}
+
+std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
+                                              const RunConfig& config) {
+  const PolicyConfig& policy = config.policy();
+  if (policy.schedule() == SCHEDULE_SHUFFLED && policy.heads() > 1 && options.head_order.empty()) {
+    return std::nullopt;
+  }
+  switch (config.environment().placements()) {
+    case PLACEMENTS_FIXED:
+      return 1;
+    case PLACEMENTS_MT1:
+      return metaworld::kMt1Placements;
+    case PLACEMENTS_RANDOM:
+      break;
+  }
+  return std::nullopt;
+}
+
+HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
+                                std::uint64_t index) {
+  if (!options.head_order.empty()) return {config, options.head_order};
+  return {config, EpisodeKey{RandomPurpose::kEvaluate, options.seed, index}};
+}
+
+EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
+                                   const HeadSchedule& schedule,
+                                   const metaworld::RandVec& placement,
+                                   metaworld::Environment& environment, const StepWatcher& watch) {
+  Policy policy(config, snapshot);
+  EvaluatedEpisode result;
+  metaworld::StepResult start;
+  start.observation = environment.Reset(placement);
+  if (watch) watch(0, start);
+  Float39 observation = AsPolicySees(start.observation);
+  for (std::int32_t t = 0; t < schedule.horizon(); ++t) {
+    const metaworld::StepResult step =
+        environment.Step(policy.Mean(schedule, observation.data(), t));
+    if (watch) watch(t + 1, step);
+    observation = AsPolicySees(step.observation);
+    result.episode_return += step.reward;
+    result.success_end = step.info.success;
+    if (step.info.success && !result.success) result.steps_to_success = t + 1;
+    result.success = result.success || step.info.success;
+  }
+  return result;
+}
+
+int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream& err) {
+  try {
+    RequireValid(options);
+    const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
+    const RunConfig config = ConfigToEvaluate(checkpoint, options);
+    RequireOrderFits(options, config);
+    if (const auto many = TooManyThreads(options.threads, "--threads")) {
+      err << "warning: " << *many << '\n';
+    }
+    const Report report{checkpoint, options, config,
+                        DifferencesFromTraining(checkpoint, options, config)};
+    Warn(report.differences, err);
+    WarnOfRepeats(options, config, err);
+    const Evaluation evaluation = PlayAll(options, config, SnapshotOf(checkpoint.state, config));
+    if (options.json) {
+      PrintJson(evaluation, report, out);
+    } else {
+      PrintText(evaluation, report, out);
+    }
+    out << std::flush;
+    if (!out) throw std::runtime_error("cannot write the result to standard output");
+    return 0;
+  } catch (const std::invalid_argument& error) {
+    err << "error: " << error.what() << '\n';
+    return 2;
+  } catch (const std::exception& error) {
+    err << "error: " << error.what() << '\n';
+    return 1;
+  }
+}
+
+}  // namespace metronome

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "actor/metaworld/environment.h"
+#include "common/checkpoint/checkpoint.h"
+#include "common/messages/messages.h"
+#include "common/policy/head_schedule.h"
+#include "common/schema/config.pb.h"
+
+namespace metronome {
+
+struct EvaluateOptions {
+  std::string checkpoint;
+  std::string task;                       // any accepted spelling; empty: the checkpoint's
+  std::optional<std::int32_t> episodes;   // none: 50, or all that differ where those are fewer
+  std::uint64_t seed = 1;                 // of random and mt1 placements and of shuffled heads
+  std::string placements = "random";      // random | fixed | mt1
+  std::vector<std::uint32_t> head_order;  // [k], who acts in each block; empty: as in training
+  bool json = false;
+  std::int32_t threads = 0;  // 0: all cores; never changes the result
+  std::string assets;        // folder of the scene files; empty: the default
+};
+
+/// One episode under the deterministic policy.
+struct EvaluatedEpisode {
+  bool success = false;               // at any step
+  bool success_end = false;           // at the last step
+  std::int32_t steps_to_success = 0;  // steps taken when it first succeeded; 0 if it never did
+  double episode_return = 0;
+};
+
+struct Evaluation {
+  std::vector<EvaluatedEpisode> episodes;
+  double success = 0;      // share of episodes
+  double success_low = 0;  // 95 % Wilson score interval of that share
+  double success_high = 0;
+  double success_end = 0;
+  double mean_return = 0;
+  /// Mean of steps_to_success over the episodes that succeeded; none if none did.
+  std::optional<double> time_to_success;
+};
+
+/// @throws std::invalid_argument naming the option that cannot be as it is.
+void RequireValid(const EvaluateOptions& options);
+
+/// The configuration that evaluation episodes are played with: the checkpoint's, with the task and
+/// the placements of `options`.
+RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const EvaluateOptions& options);
+
+/// One line for each difference (training_differences.h).
+void Warn(const std::vector<std::string>& differences, std::ostream& err);
+
+/// Wilson score interval of `successes` out of `trials`, at 1.96 standard deviations
+/// (Wilson 1927). @throws std::invalid_argument if trials < 1.
+void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, double& high);
+
+/// Where evaluation episode `index` starts. `random` draws from the evaluation's own streams, which
+/// no training run of any seed uses; `mt1` goes through the official 50 of `seed` in order; `fixed`
+/// is the one of a run with the checkpoint's seed on the task played.
+/// @param config  from ConfigToEvaluate.
+metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const RunConfig& config,
+                                       std::uint64_t index);
+
+/// How many evaluation episodes differ from each other: those after them are the same again.
+/// std::nullopt: all do. @param config  from ConfigToEvaluate.
+std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
+                                              const RunConfig& config);
+
+/// Who acts when in evaluation episode `index`: the policy's own schedule, in the evaluation's own
+/// streams, or `options.head_order`. @throws std::invalid_argument if the policy has no such order.
+HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
+                                std::uint64_t index);
+
+/// Called after the reset, with t = 0 and nothing but its observation, and after each step, with
+/// the number t of steps taken so far and what the last of them returned.
+using StepWatcher = std::function<void(std::int32_t t, const metaworld::StepResult& step)>;
+
+/// Plays one episode with the mean action at every step.
+/// @param schedule  of the episode: T steps, k heads.
+EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
+                                   const HeadSchedule& schedule,
+                                   const metaworld::RandVec& placement,
+                                   metaworld::Environment& environment,
+                                   const StepWatcher& watch = {});
+
+/// `metronome-actor evaluate`: success rate with its confidence interval and mean return of a
+/// checkpoint's policy. What is otherwise than in training is a warning on `err`, and `differences`
+/// in JSON.
+/// @return exit status: 0; 1 where the checkpoint or the scenes cannot be used, 2 for bad options.
+int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream& err);
+
+}  // namespace metronome

@@ -1,7 +1,0 @@
-#include "common/activation.h"
-
-namespace metronome {
-
-void TanhInPlace(Eigen::MatrixXf& values) { values = values.array().tanh(); }
-
-}  // namespace metronome

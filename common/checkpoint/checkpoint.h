@@ -1,0 +1,135 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/policy/train_state.h"
+#include "common/schema/config.pb.h"
+
+/// Checkpoints: everything that a run needs to go on, in one file.
+///
+/// Frame, little-endian: "METRCKPT" | uint32 format version | uint64 payload bytes | SHA-256 of
+/// the 20 bytes before it and of the payload | payload (common/schema/checkpoint.proto).
+namespace metronome {
+
+/// What is written. Grows whenever an older build would misread the payload; it refuses a newer
+/// format by name. The frame stays.
+/// 2: the configuration names the heads' schedule and the critic's heads (1: blocks, separate).
+/// 3: and the correlation of exploration noise (before: 0).
+/// 4: and what success adds to the reward (before: 0).
+inline constexpr std::uint32_t kCheckpointFormat = 4;
+/// What is read: from here to kCheckpointFormat.
+inline constexpr std::uint32_t kOldestCheckpointFormat = 1;
+
+/// How far the run's logs had come (learner/record/progress_log.h): resuming cuts them back to
+/// this.
+struct LogOffsets {
+  std::uint64_t progress_bytes = 0;  // of progress.csv
+  std::uint64_t events_bytes = 0;    // of the TensorBoard event file
+  double wall_seconds = 0;           // wall-clock: time the run has taken, all starts together
+  bool operator==(const LogOffsets&) const = default;
+};
+
+struct Checkpoint {
+  RunConfig config;  // resolved
+  TrainState state;
+  std::string engine;             // EngineName() of the learner that wrote it
+  std::string build;              // its BuildIdentity()
+  std::uint64_t incarnation = 0;  // its incarnation
+  LogOffsets logs;
+  std::string initial_weights_sha256;  // of what policy.initial_weights named; empty: of nothing
+};
+
+/// The file cannot be used; what() names it and says why.
+class CheckpointError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Its bytes are not those that were written: empty, torn, changed. It never can be used again.
+class CheckpointDamaged : public CheckpointError {
+ public:
+  using CheckpointError::CheckpointError;
+};
+
+/// It cannot be read now (permissions, a disk that fails, no such file). It may be whole.
+class CheckpointUnreadable : public CheckpointError {
+ public:
+  using CheckpointError::CheckpointError;
+};
+
+/// The whole file as bytes, and back. The same checkpoint gives the same bytes.
+/// @param name  of the file, for messages.
+/// @throws CheckpointDamaged, and CheckpointError for anything else but a checkpoint of a known
+///         format whose state fits its configuration.
+std::string EncodeCheckpoint(const Checkpoint& checkpoint);
+Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name);
+
+/// @throws CheckpointError, see DecodeCheckpoint, and CheckpointUnreadable; where the file is
+///         damaged or cannot be read, what() names the checkpoints that lie beside it.
+Checkpoint LoadCheckpoint(const std::string& path);
+
+/// @throws CheckpointError naming both shapes if the checkpoint's network does not have the shape
+///         that `config` (resolved) asks for.
+void RequireShape(const Checkpoint& checkpoint, const RunConfig& config, const std::string& name);
+
+/// A checkpoint to go on from.
+struct FoundCheckpoint {
+  struct PassedOver {
+    std::string path;
+    std::string why;  // names the path
+  };
+  std::string path;
+  Checkpoint checkpoint;
+  std::vector<PassedOver> passed_over;  // damaged or missing, and would have been taken first
+};
+
+/// The newest checkpoint of a run's folder of checkpoints that is whole. What `latest` names comes
+/// first, then older ones, then (nothing else is left) newer ones; without a word of `latest`, the
+/// newest. Changes nothing.
+/// @return std::nullopt if the folder holds no trace of a checkpoint.
+/// @throws CheckpointDamaged naming each file if none is whole; CheckpointError, with the command
+///         that goes back to another one, if the one to take is whole and cannot be used, or cannot
+///         be read.
+std::optional<FoundCheckpoint> FindNewestCheckpoint(const std::string& folder);
+
+/// The checkpoints of one run: FOLDER/000123.ckpt for version 123, FOLDER/latest a link to the
+/// newest. One writer per folder (the run's lock); not thread-safe.
+class CheckpointStore {
+ public:
+  /// Makes the folder if needed and removes what a killed writer left half-written.
+  /// @param keep             newest files that pruning leaves, at least 1; those of versions above
+  ///                         the one just written (the run was set back) are left too.
+  /// @param milestone_every  versions that are multiples of it are never pruned, nor counted among
+  ///                         the newest; 0: none.
+  /// @throws std::system_error if the folder cannot be made.
+  CheckpointStore(std::string folder, int keep, int milestone_every = 0);
+
+  /// Writes the file, points `latest` at it and prunes. The old checkpoint stays until the new
+  /// one is safely on disk. @return the path.
+  /// @throws std::system_error (disk full, say): `latest` and what it names are as they were.
+  std::string Save(const Checkpoint& checkpoint);
+
+  /// Makes `found` what `latest` names, and renames what was passed over to NAME.damaged: no later
+  /// start takes it for good, and pruning counts good ones alone.
+  /// @throws std::system_error naming the path.
+  void GoOnFrom(const FoundCheckpoint& found);
+
+  /// Path of the newest checkpoint: what `latest` names, else (the link is missing) the file of the
+  /// highest version; std::nullopt if there is none.
+  [[nodiscard]] std::optional<std::string> Latest() const;
+
+ private:
+  void PutAside(const std::string& path) const;
+  void Prune(std::uint64_t newest) const;
+
+  std::string folder_;
+  int keep_;
+  std::uint64_t milestone_every_;
+};
+
+}  // namespace metronome

@@ -1,0 +1,117 @@
+#include "common/config/config.h"
+
+#include <google/protobuf/text_format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <stdexcept>
+
+#include "common/config/task_names.h"
+
+namespace metronome {
+namespace {
+
+constexpr std::int32_t kDefaultHeads = 10;
+constexpr std::int32_t kDefaultWidth = 128;
+constexpr std::int64_t kDefaultMinibatch = 1000;
+
+std::string CanonicalIfKnown(const std::string& task) {
+  try {
+    return CanonicalTaskName(task);
+  } catch (const std::invalid_argument&) {
+    return task;
+  }
+}
+
+}  // namespace
+
+RunConfig Resolve(RunConfig config) {
+  auto& environment = *config.mutable_environment();
+  if (environment.has_task()) environment.set_task(CanonicalIfKnown(environment.task()));
+  FillDefaults(config);
+  auto& policy = *config.mutable_policy();
+  if (!policy.has_heads()) policy.set_heads(policy.method() == MULTIHEAD ? kDefaultHeads : 1);
+  if (policy.hidden_size() == 0) {
+    for (int layer = 0; layer < 2; ++layer) policy.add_hidden(kDefaultWidth);
+  }
+  auto& ppo = *config.mutable_ppo();
+  if (!ppo.has_minibatch()) {
+    const std::int64_t batch =
+        std::int64_t{config.collection().episodes_per_update()} * environment.horizon();
+    ppo.set_minibatch(
+        static_cast<std::int32_t>(std::clamp<std::int64_t>(batch, 1, kDefaultMinibatch)));
+  }
+  return config;
+}
+
+std::string PrintConfig(const RunConfig& config) {
+  std::string text;
+  google::protobuf::TextFormat::PrintToString(config, &text);
+  return text;
+}
+
+std::vector<std::string> CompareForResume(const RunConfig& old_config, const RunConfig& new_config,
+                                          bool new_total_allowed) {
+  std::vector<std::string> old_values;
+  VisitFields(old_config, [&](const auto&, const auto& owner, const auto& field) {
+    old_values.push_back(FieldText(owner, field));
+  });
+  std::vector<std::string> differences;
+  std::size_t index = 0;
+  VisitFields(new_config, [&](const std::string& path, const auto& owner, const auto& field) {
+    const std::string& before = old_values.at(index++);
+    const std::string now = FieldText(owner, field);
+    if (before == now || path.starts_with("runtime.")) return;
+    const bool total = path == "total_steps";
+    if (total && new_total_allowed) return;
+    differences.push_back(
+        path + ": the run has " + (before.empty() ? "none" : before) + ", asked for " +
+        (now.empty() ? "none" : now) +
+        (total ? " (the learning rate depends on it; --new-total allows it)" : ""));
+  });
+  return differences;
+}
+
+void CheckRunName(const std::string& name) {
+  const auto letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
+  const bool right = !name.empty() && name.size() <= 64 && letter(name.front()) &&
+                     std::all_of(name.begin(), name.end(), [&](char c) {
+                       return letter(c) || c == '.' || c == '_' || c == '-';
+                     });
+  if (right) return;
+  throw ConfigError("run name \"" + name +
+                    "\": must be 1 to 64 letters, digits, '.', '_' or '-', the first a letter or "
+                    "digit (it names a folder and a DDS partition)");
+}
+
+void ConfigDraft::ReadFile(const std::string& path) {
+  const ParsedConfig parsed = ParseConfigFile(path);
+  Overlay(config_, parsed.config);
+  for (const auto& [field, origin] : parsed.origins) origins_[field] = origin;
+}
+
+void ConfigDraft::SetFromArgument(const std::string& argument) {
+  const std::size_t equals = argument.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw ConfigError("--set " + argument + ": must be NAME=VALUE, e.g. ppo.learning_rate=3e-4");
+  }
+  Set(argument.substr(0, equals), argument.substr(equals + 1), "--set");
+}
+
+void ConfigDraft::Set(const std::string& path, const std::string& value,
+                      const std::string& origin) {
+  try {
+    SetField(config_, path, value);
+  } catch (const ConfigError& error) {
+    throw ConfigError(origin + ": " + error.what());
+  }
+  origins_[path] = origin;
+}
+
+RunConfig ConfigDraft::Finish() const {
+  RunConfig config = Resolve(config_);
+  Validate(config, origins_);
+  return config;
+}
+
+}  // namespace metronome

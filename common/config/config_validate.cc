@@ -1,0 +1,244 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <sstream>
+
+#include "common/config/config.h"
+#include "common/config/task_names.h"
+#include "common/policy/network.h"
+#include "common/text/host_port.h"
+#include "common/text/listen_address.h"
+#include "common/text/near_miss.h"
+#include "common/text/number_text.h"
+
+namespace metronome {
+namespace {
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+constexpr double kMostSteps = 9007199254740991;         // 2^53 - 1: exact in every double
+constexpr std::size_t kMostPolicyParameters = 4000000;  // kMaxParameters of idl/metronome.idl
+constexpr std::uint64_t kMostMt1Seed = 4294967295;      // the official generator takes 32 bits
+
+/// What one numeric field may be, by itself; never anything that is not finite.
+struct Range {
+  double low = 0;
+  double high = kUnbounded;
+  bool low_open = false;  // low itself is not allowed
+};
+
+const std::map<std::string, Range>& Ranges() {
+  static const std::map<std::string, Range> ranges = {
+      {"total_steps", {1, kMostSteps}},
+      {"environment.horizon", {1, 500}},
+      {"policy.heads", {1, kUnbounded}},
+      {"policy.hidden", {1, 4096}},
+      // Learning moves it from there: 20 leaves room to where no actor can act
+      // (common/policy/snapshot.cc).
+      {"policy.initial_log_std", {-20, 20}},
+      // Times the largest weight that a snapshot may have (common/policy/snapshot.cc): a finite
+      // float32.
+      {"policy.observation_clip", {0, 1e9, true}},
+      {"policy.noise_correlation", {0, 0.999}},
+      {"ppo.learning_rate", {0, kUnbounded, true}},
+      {"ppo.learning_rate_floor", {0, 1}},
+      {"ppo.adam_epsilon", {0, kUnbounded, true}},
+      {"ppo.epochs", {1, 10000}},
+      {"ppo.minibatch", {1, kUnbounded}},
+      {"ppo.clip", {0, kUnbounded, true}},
+      {"ppo.value_coefficient", {0, kUnbounded}},
+      {"ppo.discount", {0, 1}},
+      {"ppo.gae_lambda", {0, 1}},
+      {"ppo.entropy_coefficient", {0, kUnbounded}},
+      {"ppo.entropy_coefficient_final", {0, kUnbounded}},
+      {"ppo.max_gradient_norm", {0, kUnbounded, true}},
+      {"ppo.kl_stop", {0, kUnbounded}},
+      {"ppo.success_reward", {0, 1e6}},
+      {"collection.episodes_per_update", {1, 10000}},
+      {"collection.overlap", {0, 1}},
+      {"collection.check_share", {0, 1, true}},
+      {"collection.check_tolerance", {0, kUnbounded}},
+      {"runtime.domain", {0, 232}},
+      {"runtime.learner_threads", {0, 1024}},
+      {"runtime.checkpoint_every", {1, kUnbounded}},
+      {"runtime.checkpoint_keep", {1, kUnbounded}},
+      {"runtime.milestone_every", {0, kUnbounded}},
+      {"runtime.audit_share", {0, 1}},
+  };
+  return ranges;
+}
+
+std::string RangeText(const Range& range) {
+  if (range.high == kUnbounded) {
+    return std::string("a finite number, ") + (range.low_open ? "above " : "at least ") +
+           FormatNumber(range.low);
+  }
+  // Written out: shortest form would give 9007199254740991 as 9.007199254740991e+15.
+  std::ostringstream high;
+  high.precision(17);
+  high << range.high;
+  return std::string(range.low_open ? "above " : "from ") + FormatNumber(range.low) +
+         (range.low_open ? ", at most " : " to ") + high.str();
+}
+
+bool Inside(double value, const Range& range) {
+  return std::isfinite(value) && value <= range.high &&
+         (range.low_open ? value > range.low : value >= range.low);
+}
+
+/// Gathers all complaints, so that one start names them all.
+class Complaints {
+ public:
+  explicit Complaints(const ConfigOrigins& origins) : origins_(origins) {}
+
+  void Add(const std::string& path, const std::string& what) {
+    const auto origin = origins_.find(path);
+    if (!text_.empty()) text_ += "\n";
+    if (origin != origins_.end()) text_ += origin->second + ": ";
+    text_ += path + " " + what;
+  }
+
+  void ThrowIfAny() const {
+    if (!text_.empty()) throw ConfigError(text_);
+  }
+
+ private:
+  const ConfigOrigins& origins_;
+  std::string text_;
+};
+
+void CheckRanges(const RunConfig& config, Complaints& complaints) {
+  VisitFields(config, [&](const std::string& path, const auto& owner, const auto& field) {
+    const auto found = Ranges().find(path);
+    if (found == Ranges().end()) return;
+    std::istringstream values(FieldText(owner, field));
+    for (std::string value; std::getline(values, value, ',');) {
+      const auto number = ParseNumber<double>(value);
+      if (number && Inside(*number, found->second)) continue;
+      complaints.Add(path,
+                     "is " + FieldText(owner, field) + ": must be " + RangeText(found->second));
+      return;
+    }
+  });
+}
+
+void CheckEnvironment(const RunConfig& config, Complaints& complaints) {
+  const auto& environment = config.environment();
+  if (!environment.has_task()) {
+    complaints.Add("environment.task", "is not set: choose one of " + JoinNames(TaskNames()));
+  } else {
+    try {
+      CanonicalTaskName(environment.task());
+    } catch (const std::invalid_argument& error) {
+      complaints.Add("environment.task", std::string("is an ") + error.what());
+    }
+  }
+  if (environment.placements() == PLACEMENTS_MT1 && config.seed() > kMostMt1Seed) {
+    complaints.Add("seed", "is " + std::to_string(config.seed()) +
+                               ": with mt1 placements it must be from 0 to " +
+                               std::to_string(kMostMt1Seed));
+  }
+}
+
+void CheckPolicy(const RunConfig& config, Complaints& complaints) {
+  const auto& policy = config.policy();
+  const int horizon = config.environment().horizon();
+  if (policy.hidden_size() > 8) {
+    complaints.Add("policy.hidden",
+                   "has " + std::to_string(policy.hidden_size()) + " layers: must be 1 to 8");
+  }
+  if (policy.heads() < 1) return;  // complained of already
+  if (policy.method() != MULTIHEAD && policy.heads() != 1) {
+    complaints.Add("policy.heads", "is " + std::to_string(policy.heads()) + ": the method " +
+                                       (policy.method() == PPO ? "ppo" : "ppo-time") +
+                                       " has exactly 1 (multihead takes more)");
+  } else if (policy.heads() > horizon && horizon >= 1) {
+    complaints.Add("policy.heads", "is " + std::to_string(policy.heads()) +
+                                       ": must be at most environment.horizon, " +
+                                       std::to_string(horizon) + " (each head needs a step)");
+  }
+}
+
+void CheckBatch(const RunConfig& config, Complaints& complaints) {
+  const std::int64_t episodes = config.collection().episodes_per_update();
+  const std::int64_t horizon = config.environment().horizon();
+  if (episodes < 1 || horizon < 1) return;  // complained of already
+  if (config.ppo().minibatch() > episodes * horizon) {
+    complaints.Add("ppo.minibatch", "is " + std::to_string(config.ppo().minibatch()) +
+                                        ": must be at most the steps of an update, " +
+                                        std::to_string(episodes * horizon) +
+                                        " (episodes_per_update * horizon)");
+  }
+}
+
+// Only for a shape whose every number is in range.
+void CheckNetworkSize(const RunConfig& config, Complaints& complaints) {
+  const std::size_t size = ActorLayout(ShapeOf(config)).size;
+  if (size <= kMostPolicyParameters) return;
+  complaints.Add("policy.hidden", "and policy.heads make a policy of " + std::to_string(size) +
+                                      " parameters: must be at most " +
+                                      std::to_string(kMostPolicyParameters) +
+                                      " (what a snapshot holds on the wire)");
+}
+
+/// The form alone: names are looked up when the run starts.
+void CheckHosts(const std::string& path, const std::string& hosts, const std::string& allowed,
+                Complaints& complaints) {
+  try {
+    ParseHostPorts(hosts);
+  } catch (const std::invalid_argument& error) {
+    complaints.Add(path, "is \"" + hosts + "\": must be " + allowed + "; " + error.what());
+  }
+}
+
+// A lone word that nearly reads loopback or lan is a typo.
+void CheckNetwork(const std::string& network, Complaints& complaints) {
+  if (network == "loopback" || network == "lan") return;
+  const std::string allowed = "loopback, lan, or the peers' addresses separated by commas";
+  const bool lone_word = network.find_first_of(".,:0123456789") == std::string::npos;
+  const auto near = NearMiss(network, {"loopback", "lan"});
+  if (!lone_word || !near) return CheckHosts("runtime.network", network, allowed, complaints);
+  complaints.Add("runtime.network",
+                 "is \"" + network + "\"; did you mean \"" + *near + "\"? must be " + allowed);
+}
+
+void CheckDiscoveryServers(const std::string& servers, Complaints& complaints) {
+  if (servers.empty()) return;
+  CheckHosts("runtime.discovery_server", servers, "HOST[:PORT], separated by commas", complaints);
+}
+
+void CheckMetrics(const std::string& address, Complaints& complaints) {
+  if (address.empty()) return;
+  try {
+    ParseListenAddress(address);
+  } catch (const std::invalid_argument& error) {
+    complaints.Add("runtime.metrics", "is \"" + address + "\": " + error.what());
+  }
+}
+
+void CheckRuntime(const RunConfig& config, Complaints& complaints) {
+  const std::string& transport = config.runtime().transport();
+  if (transport != "udp" && transport != "shm" && transport != "tcp") {
+    complaints.Add("runtime.transport",
+                   "is an " + UnknownName("transport", transport, {"udp", "shm", "tcp"}));
+  }
+  CheckNetwork(config.runtime().network(), complaints);
+  CheckDiscoveryServers(config.runtime().discovery_server(), complaints);
+  CheckMetrics(config.runtime().metrics(), complaints);
+}
+
+}  // namespace
+
+void Validate(const RunConfig& config, const ConfigOrigins& origins) {
+  Complaints complaints(origins);
+  CheckEnvironment(config, complaints);
+  CheckRanges(config, complaints);
+  CheckPolicy(config, complaints);
+  CheckBatch(config, complaints);
+  CheckRuntime(config, complaints);
+  complaints.ThrowIfAny();
+  CheckNetworkSize(config, complaints);
+  complaints.ThrowIfAny();
+}
+
+}  // namespace metronome

@@ -1,0 +1,40 @@
+#include "common/policy/action_noise.h"
+
+#include <cmath>
+
+#include "common/numbers/random.h"
+
+namespace metronome {
+
+ActionNoise::ActionNoise(const RunConfig& config, std::uint64_t number)
+    : seed_(config.seed()), number_(number), correlation_(config.policy().noise_correlation()) {}
+
+std::array<double, kActionSize> ActionNoise::Independent(std::int32_t t) const {
+  RandomStream stream(RandomPurpose::kTrain, seed_, number_, static_cast<std::uint64_t>(t));
+  std::array<double, kActionSize> numbers{};
+  for (double& number : numbers) number = stream.Normal();
+  return numbers;
+}
+
+ActionNoise::Numbers ActionNoise::At(std::int32_t t) {
+  if (correlation_ == 0) {
+    state_ = Independent(t);
+  } else {
+    if (t < t_ || t_ < 0) {
+      state_ = Independent(0);
+      t_ = 0;
+    }
+    const double fresh = std::sqrt(1 - correlation_ * correlation_);
+    while (t_ < t) {
+      const auto independent = Independent(++t_);
+      for (int i = 0; i < kActionSize; ++i) {
+        state_[i] = correlation_ * state_[i] + fresh * independent[i];
+      }
+    }
+  }
+  Numbers numbers{};
+  for (int i = 0; i < kActionSize; ++i) numbers[i] = static_cast<float>(state_[i]);
+  return numbers;
+}
+
+}  // namespace metronome

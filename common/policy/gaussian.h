@@ -1,0 +1,27 @@
+#pragma once
+
+#include "common/messages/episode.h"
+
+namespace metronome {
+
+inline constexpr float kHalfLogTwoPi = 0.918938533204672742F;
+
+/// Log-density (nats) of a diagonal Gaussian over actions; every array is [4].
+inline float GaussianLogProb(const float* action, const float* mean, const float* std,
+                             const float* log_std) {
+  float log_prob = 0;
+  for (int i = 0; i < kActionSize; ++i) {
+    const float z = (action[i] - mean[i]) / std[i];
+    log_prob += -0.5F * z * z - log_std[i] - kHalfLogTwoPi;
+  }
+  return log_prob;
+}
+
+/// Entropy (nats) of the same distribution.
+inline float GaussianEntropy(const float* log_std) {
+  float entropy = 0;
+  for (int i = 0; i < kActionSize; ++i) entropy += log_std[i] + 0.5F + kHalfLogTwoPi;
+  return entropy;
+}
+
+}  // namespace metronome

@@ -1,0 +1,60 @@
+#include "common/policy/network.h"
+
+#include <stdexcept>
+#include <string>
+
+namespace metronome {
+namespace {
+
+LayerSlice NextLayer(std::int32_t inputs, std::int32_t outputs, std::size_t& offset) {
+  LayerSlice slice;
+  slice.inputs = inputs;
+  slice.outputs = outputs;
+  slice.weight = offset;
+  slice.bias = slice.weight + static_cast<std::size_t>(inputs) * static_cast<std::size_t>(outputs);
+  offset = slice.bias + static_cast<std::size_t>(outputs);
+  return slice;
+}
+
+MlpLayout Layout(const NetworkShape& shape, std::int32_t heads, std::int32_t head_outputs) {
+  MlpLayout layout;
+  std::size_t offset = 0;
+  std::int32_t inputs = shape.input();
+  for (const std::int32_t width : shape.hidden) {
+    if (width < 1) throw std::invalid_argument("hidden width " + std::to_string(width) + " < 1");
+    layout.hidden.push_back(NextLayer(inputs, width, offset));
+    inputs = width;
+  }
+  layout.heads = heads;
+  layout.head_outputs = head_outputs;
+  layout.head = NextLayer(inputs, heads * head_outputs, offset);
+  layout.log_std = offset;
+  layout.size = offset;
+  return layout;
+}
+
+}  // namespace
+
+MlpLayout ActorLayout(const NetworkShape& shape) {
+  MlpLayout layout = Layout(shape, shape.heads, shape.action);
+  layout.size += static_cast<std::size_t>(shape.heads) * static_cast<std::size_t>(shape.action);
+  return layout;
+}
+
+MlpLayout CriticLayout(const NetworkShape& shape) { return Layout(shape, shape.critic_heads, 1); }
+
+std::size_t ParameterCount(const NetworkShape& shape) {
+  return ActorLayout(shape).size + CriticLayout(shape).size;
+}
+
+NetworkShape ShapeOf(const RunConfig& config) {
+  NetworkShape shape;
+  const PolicyConfig& policy = config.policy();
+  shape.time_feature = policy.method() == PPO_TIME;
+  shape.hidden.assign(policy.hidden().begin(), policy.hidden().end());
+  shape.heads = policy.heads();
+  shape.critic_heads = policy.critic_heads() == CRITIC_HEADS_SHARED ? 1 : shape.heads;
+  return shape;
+}
+
+}  // namespace metronome

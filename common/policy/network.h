@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "common/schema/config.pb.h"
+
+namespace metronome {
+
+/// Shape of actor and critic: separate tanh MLPs of equal widths.
+struct NetworkShape {
+  std::int32_t observation = 39;
+  bool time_feature = false;  // ppo-time: 2t/T-1 is appended, after normalisation
+  std::vector<std::int32_t> hidden = {128, 128};
+  std::int32_t heads = 10;
+  std::int32_t critic_heads = 10;  // one a head, or 1 for all (policy.critic_heads)
+  std::int32_t action = 4;
+
+  [[nodiscard]] std::int32_t input() const { return observation + (time_feature ? 1 : 0); }
+  /// The critic's head that values the states of the policy's `head`.
+  [[nodiscard]] std::int32_t value_head(std::int32_t head) const {
+    return critic_heads == 1 ? 0 : head;
+  }
+  bool operator==(const NetworkShape&) const = default;
+};
+
+/// One dense layer inside a flat parameter vector: weight [outputs, inputs] row-major, then bias
+/// [outputs].
+struct LayerSlice {
+  std::size_t weight = 0;  // offset of the weight's first element
+  std::size_t bias = 0;    // offset of the bias's first element
+  std::int32_t inputs = 0;
+  std::int32_t outputs = 0;
+};
+
+/// Where everything lies in the flat float32 parameter vector of one MLP with k output heads:
+/// hidden layers in order; then the heads as one layer of k * head_outputs rows, head j owning
+/// rows [j * head_outputs, (j + 1) * head_outputs); then (actor only) log-std [k, action].
+struct MlpLayout {
+  std::vector<LayerSlice> hidden;
+  LayerSlice head;
+  std::int32_t heads = 0;         // k; of the critic 1 where it is shared
+  std::int32_t head_outputs = 0;  // action means (actor) or 1 (critic)
+  std::size_t log_std = 0;        // actor only
+  std::size_t size = 0;           // floats in all
+};
+
+MlpLayout ActorLayout(const NetworkShape& shape);
+MlpLayout CriticLayout(const NetworkShape& shape);
+
+/// Parameters of both networks: the actor's, then the critic's.
+std::size_t ParameterCount(const NetworkShape& shape);
+
+/// The shape that a resolved configuration (common/config/config.h) asks for.
+NetworkShape ShapeOf(const RunConfig& config);
+
+}  // namespace metronome

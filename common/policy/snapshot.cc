@@ -1,0 +1,89 @@
+#include "common/policy/snapshot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+#include "common/messages/episode.h"
+#include "common/policy/network.h"
+
+namespace metronome {
+namespace {
+
+// Of all numbers but log-stds. A layer sums up to 4097 products of a weight and an input, which is
+// at most 1e9 (policy.observation_clip): 4e32 at most, and float32 goes to 3e38.
+constexpr float kLargest = 1e20F;
+// std from 1e-20 to 1e20: neither it nor (action - mean) / std leaves float32.
+constexpr float kLargestLogStd = 46;
+
+/// Names the first value that is not a number from -limit to limit; std::nullopt if there is none.
+std::optional<std::string> Beyond(const char* what, const float* begin, const float* end,
+                                  float limit) {
+  const float* found =
+      std::find_if_not(begin, end, [limit](float value) { return std::abs(value) <= limit; });
+  if (found == end) return std::nullopt;
+  std::ostringstream text;
+  text << what << " is " << *found << ", not from " << -limit << " to " << limit;
+  return text.str();
+}
+
+PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor, std::size_t actor_size,
+                            const RunningStatistics& observation) {
+  PolicySnapshot snapshot;
+  snapshot.version = version;
+  snapshot.parameters.assign(actor, actor + actor_size);
+  snapshot.observation_mean.assign(kObservationSize, 0.0F);
+  snapshot.observation_inv_std.assign(kObservationSize, 1.0F);
+  if (observation.count > 0) {
+    for (std::size_t i = 0; i < kObservationSize; ++i) {
+      const double variance = observation.m2[i] / observation.count;
+      snapshot.observation_mean[i] = float(observation.mean[i]);
+      snapshot.observation_inv_std[i] = float(1 / std::sqrt(variance + 1e-8));
+    }
+  }
+  return snapshot;
+}
+
+}  // namespace
+
+PolicySnapshot SnapshotOf(const TrainState& state, const RunConfig& config) {
+  return MakeSnapshot(state.version, state.parameters.data(), ActorLayout(ShapeOf(config)).size,
+                      state.observation);
+}
+
+PolicySnapshot PreviousSnapshotOf(const TrainState& state, const RunConfig& config) {
+  const std::size_t size = ActorLayout(ShapeOf(config)).size;
+  if (state.version == 0 || state.previous_actor.size() != size) {
+    throw std::logic_error("version " + std::to_string(state.version) +
+                           " has no previous snapshot");
+  }
+  return MakeSnapshot(state.version - 1, state.previous_actor.data(), size,
+                      state.previous_observation);
+}
+
+std::optional<std::string> SnapshotDefect(const PolicySnapshot& snapshot, const RunConfig& config) {
+  const MlpLayout layout = ActorLayout(ShapeOf(config));
+  const std::vector<float>& parameters = snapshot.parameters;
+  if (parameters.size() != layout.size) {
+    return "it has " + std::to_string(parameters.size()) + " parameters, the run's network needs " +
+           std::to_string(layout.size);
+  }
+  const float* log_std = parameters.data() + layout.log_std;
+  const float* end = parameters.data() + parameters.size();
+  if (auto beyond = Beyond("a parameter", parameters.data(), log_std, kLargest)) return beyond;
+  if (auto beyond = Beyond("a log-std", log_std, end, kLargestLogStd)) return beyond;
+  for (const auto* statistics : {&snapshot.observation_mean, &snapshot.observation_inv_std}) {
+    if (statistics->size() != kObservationSize) return "its observation statistics are not of 39";
+    if (auto beyond = Beyond("an observation statistic", statistics->data(),
+                             statistics->data() + statistics->size(), kLargest)) {
+      return beyond;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace metronome

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "common/messages/episode.h"
+#include "common/policy/policy.h"
+#include "common/schema/config.pb.h"
+
+namespace metronome {
+
+/// Magnitudes that no episode of Meta-World comes near: a step's reward is at most 10 (before
+/// ppo.success_reward, which the learner adds itself), observations are metres and quaternions.
+inline constexpr float kLargestReward = 1000;
+inline constexpr float kLargestObservation = 1e6F;
+
+/// Why an episode cannot be right, or std::nullopt if it can: lengths, version, finiteness, range,
+/// flags, heads against the schedule of the run and of the episode's number, and - step by step
+/// with the function that actors use - action and log-probability, which must have equal bits.
+/// @param policy  of the version that the episode should have been played under; its scratch space
+///                is used. One thread at a time.
+std::optional<std::string> CheckEpisode(const Episode& episode, Policy& policy,
+                                        const RunConfig& config);
+
+}  // namespace metronome

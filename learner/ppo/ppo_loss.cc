@@ -1,0 +1,31 @@
+#include "learner/ppo/ppo_loss.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/policy/gaussian.h"
+
+namespace metronome {
+
+PolicyLoss ComputePolicyLoss(const PolicySample& sample, const float* mean, const float* std,
+                             const float* log_std, float clip) {
+  PolicyLoss result;
+  result.log_ratio = GaussianLogProb(sample.action, mean, std, log_std) - sample.proximal_log_prob;
+  const float ratio = std::exp(result.log_ratio);
+  const float bounded = std::clamp(ratio, 1 - clip, 1 + clip);
+  result.clipped = bounded != ratio;
+  const float plain = ratio * sample.advantage;
+  const float pessimistic = std::min(plain, bounded * sample.advantage);
+  result.loss = -sample.behaviour_weight * pessimistic;
+  // Where the clipped branch is the smaller one the objective is flat.
+  if (plain > pessimistic) return result;
+  const float d_log_prob = -sample.behaviour_weight * plain;
+  for (int i = 0; i < kActionSize; ++i) {
+    const float z = (sample.action[i] - mean[i]) / std[i];
+    result.d_mean[i] = d_log_prob * z / std[i];
+    result.d_log_std[i] = d_log_prob * (z * z - 1);
+  }
+  return result;
+}
+
+}  // namespace metronome

@@ -1,0 +1,254 @@
+#include "learner/ppo/trainer.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "common/numbers/all_finite.h"
+#include "common/numbers/random.h"
+#include "learner/ppo/initialise.h"
+#include "learner/ppo/learning_reward.h"
+#include "learner/ppo/minibatch_step.h"
+#include "learner/ppo/running_statistics.h"
+#include "learner/ppo/training_batch.h"
+
+namespace metronome {
+namespace {
+
+// Eigen picks block sizes, and with them the order of sums, from the caches that it finds.
+void FixEigenBlocking() { Eigen::setCpuCacheSizes(32 * 1024, 512 * 1024, 8 * 1024 * 1024); }
+
+// Running sums of everything that UpdateReport averages.
+class ReportSums {
+ public:
+  explicit ReportSums(std::size_t heads) : heads_(heads) {}
+
+  void Add(const MinibatchSums& sums, std::size_t samples) {
+    last_kl_ = 0;
+    samples_ += double(samples);
+    policy_loss_ += sums.policy_loss;
+    value_loss_ += sums.value_loss;
+    entropy_ += sums.entropy;
+    gradient_norm_ += sums.gradient_norm;
+    ++minibatches_;
+    for (std::size_t i = 0; i < heads_.size(); ++i) {
+      heads_[i].samples += sums.heads[i].samples;
+      heads_[i].kl += sums.heads[i].kl;
+      heads_[i].clipped += sums.heads[i].clipped;
+      last_kl_ += sums.heads[i].kl / double(samples);
+    }
+  }
+
+  /// Mean of old minus new log-probability over the last minibatch.
+  [[nodiscard]] double last_kl() const { return last_kl_; }
+
+  void Fill(UpdateReport& report) const {
+    report.policy_loss = policy_loss_ / samples_;
+    report.value_loss = value_loss_ / samples_;
+    report.entropy = entropy_ / samples_;
+    report.gradient_norm = gradient_norm_ / minibatches_;
+    report.kl = last_kl_;
+    double clipped = 0;
+    for (const HeadSums& head : heads_) {
+      report.head_kl.push_back(head.samples > 0 ? head.kl / head.samples : 0);
+      report.head_clip_share.push_back(head.samples > 0 ? head.clipped / head.samples : 0);
+      clipped += head.clipped;
+    }
+    report.clip_share = clipped / samples_;
+  }
+
+ private:
+  std::vector<HeadSums> heads_;
+  double samples_ = 0;
+  double minibatches_ = 0;
+  double policy_loss_ = 0;
+  double value_loss_ = 0;
+  double entropy_ = 0;
+  double gradient_norm_ = 0;
+  double last_kl_ = 0;
+};
+
+void FillHeadSpread(const RunConfig& config, const std::vector<float>& parameters,
+                    UpdateReport& report) {
+  const NetworkShape shape = ShapeOf(config);
+  const float* log_std = parameters.data() + ActorLayout(shape).log_std;
+  for (std::int32_t head = 0; head < shape.heads; ++head) {
+    double std = 0;
+    double entropy = 0;
+    for (int i = 0; i < kActionSize; ++i) {
+      const double value = log_std[head * kActionSize + i];
+      std += std::exp(value) / kActionSize;
+      entropy += value + 0.5 * (1 + std::log(2 * M_PI));
+    }
+    report.head_std.push_back(std);
+    report.head_entropy.push_back(entropy);
+  }
+}
+
+void FillReturns(const std::vector<Episode>& batch, UpdateReport& report) {
+  for (const Episode& episode : batch) {
+    for (const float reward : episode.reward) report.mean_return += reward;
+    report.success += std::any_of(episode.flags.begin(), episode.flags.end(),
+                                  [](std::uint8_t flags) { return (flags & kStepSuccess) != 0; });
+    report.success_end += (episode.flags.back() & kStepSuccess) != 0;
+  }
+  const auto episodes = double(batch.size());
+  report.mean_return /= episodes;
+  report.success /= episodes;
+  report.success_end /= episodes;
+}
+
+}  // namespace
+
+struct Trainer::Impl {
+  Impl(const RunConfig& run_config, TrainState initial, int threads)
+      : config(run_config), state(std::move(initial)), team(threads), step(config, team) {}
+
+  [[nodiscard]] std::size_t actor_size() const { return ActorLayout(ShapeOf(config)).size; }
+
+  [[nodiscard]] PolicySnapshot Behaviour() const {
+    const bool lagging = config.collection().overlap() > 0 && state.version > 0;
+    return lagging ? PreviousSnapshotOf(state, config) : SnapshotOf(state, config);
+  }
+
+  // Discounted returns of the batch enter the reward's scale before it is used: the scale is the
+  // learner's alone, no actor has acted on it.
+  void MergeRewards(const std::vector<Episode>& batch, TrainState& next) const {
+    std::vector<float> discounted;
+    for (const Episode& episode : batch) {
+      double sum = 0;
+      discounted.clear();
+      for (const float reward : LearningReward(episode, config.ppo())) {
+        sum = config.ppo().discount() * sum + reward;
+        discounted.push_back(float(sum));
+      }
+      Merge(next.reward_return, discounted.data(), discounted.size(), 1, 1);
+    }
+  }
+
+  [[nodiscard]] double RewardScale(const TrainState& next) const {
+    if (!config.ppo().normalise_reward()) return 1;
+    const double deviation = StandardDeviation(next.reward_return, 0);
+    return std::sqrt(deviation * deviation + 1e-8);
+  }
+
+  [[nodiscard]] StepSettings Settings() const {
+    const PpoConfig& ppo = config.ppo();
+    const double left = std::max(0.0, 1 - double(state.steps) / double(config.total_steps()));
+    StepSettings settings;
+    settings.learning_rate = ppo.learning_rate() * std::max(ppo.learning_rate_floor(), left);
+    const double last = ppo.entropy_coefficient_final();
+    settings.entropy_coefficient = last + (ppo.entropy_coefficient() - last) * left;
+    return settings;
+  }
+
+  // The epochs; returns how many were made.
+  std::int32_t Learn(const TrainingBatch& batch, const StepSettings& settings,
+                     OptimiserState& optimiser, ReportSums& sums) {
+    const auto minibatch = std::size_t(config.ppo().minibatch());
+    for (std::int32_t epoch = 0; epoch < config.ppo().epochs(); ++epoch) {
+      const std::vector<std::uint32_t> order = Permutation(
+          std::uint32_t(batch.size()),
+          {RandomPurpose::kShuffle, config.seed(), state.version, std::uint64_t(epoch)});
+      for (std::size_t begin = 0; begin < order.size(); begin += minibatch) {
+        const std::size_t end = std::min(begin + minibatch, order.size());
+        const std::vector<std::uint32_t> samples(order.begin() + std::ptrdiff_t(begin),
+                                                 order.begin() + std::ptrdiff_t(end));
+        sums.Add(step.Run(batch, samples, settings, optimiser), samples.size());
+      }
+      const double kl_stop = config.ppo().kl_stop();
+      if (kl_stop > 0 && sums.last_kl() > kl_stop) return epoch + 1;
+    }
+    return config.ppo().epochs();
+  }
+
+  // Everything of the next state but the parameters: counters and statistics.
+  void Advance(const std::vector<Episode>& batch, TrainState& next) const {
+    if (config.collection().overlap() > 0) {
+      next.previous_actor.assign(state.parameters.begin(),
+                                 state.parameters.begin() + std::ptrdiff_t(actor_size()));
+      next.previous_observation = state.observation;
+    }
+    for (const Episode& episode : batch) {
+      Merge(next.observation, episode.observation.data(), std::size_t(episode.length()),
+            kObservationSize, kObservationSize);
+      next.steps += std::uint64_t(episode.length());
+    }
+    next.episodes_used += batch.size();
+    ++next.version;
+  }
+
+  RunConfig config;
+  TrainState state;
+  WorkerTeam team;
+  MinibatchStep step;
+};
+
+Trainer::Trainer(const RunConfig& config, TrainState state, int threads) {
+  FixEigenBlocking();
+  const std::size_t expected = ParameterCount(ShapeOf(config));
+  if (state.parameters.size() != expected || state.adam_m.size() != expected ||
+      state.adam_v.size() != expected) {
+    throw std::invalid_argument("the state holds " + std::to_string(state.parameters.size()) +
+                                " parameters, the configuration's network has " +
+                                std::to_string(expected));
+  }
+  impl_ = std::make_unique<Impl>(config, std::move(state), threads);
+}
+
+Trainer::~Trainer() = default;
+
+TrainState Trainer::InitialState(const RunConfig& config) {
+  FixEigenBlocking();
+  TrainState state;
+  state.parameters =
+      InitialParameters(ShapeOf(config), config.policy().initial_log_std(), config.seed());
+  state.adam_m.assign(state.parameters.size(), 0.0F);
+  state.adam_v.assign(state.parameters.size(), 0.0F);
+  return state;
+}
+
+const TrainState& Trainer::state() const { return impl_->state; }
+
+UpdateReport Trainer::Update(const std::vector<Episode>& episodes) {
+  Impl& impl = *impl_;
+  TrainState next = impl.state;
+  impl.MergeRewards(episodes, next);
+  UpdateReport report;
+  report.reward_scale = impl.RewardScale(next);
+  const PolicySnapshot behaviour = impl.Behaviour();
+  const TrainingBatch batch = BuildBatch(
+      {impl.config, episodes, behaviour, impl.state.parameters.data(), float(report.reward_scale)},
+      impl.team);
+  const StepSettings settings = impl.Settings();
+  OptimiserState optimiser{std::move(next.parameters), std::move(next.adam_m),
+                           std::move(next.adam_v), next.adam_steps};
+  ReportSums sums(std::size_t(impl.config.policy().heads()));
+  report.epochs = impl.Learn(batch, settings, optimiser, sums);
+  if (!AllFinite(optimiser.parameters)) throw NonFiniteUpdate("a parameter is not finite");
+  next.parameters = std::move(optimiser.parameters);
+  next.adam_m = std::move(optimiser.adam_m);
+  next.adam_v = std::move(optimiser.adam_v);
+  next.adam_steps = optimiser.adam_steps;
+  impl.Advance(episodes, next);
+  // Finite weights may still give actions that are not: no actor would play another episode.
+  if (const auto defect = SnapshotDefect(SnapshotOf(next, impl.config), impl.config)) {
+    throw NonFiniteUpdate("no actor can act with the new policy: " + *defect);
+  }
+  report.lag = impl.state.version - behaviour.version;
+  report.version = next.version;
+  report.steps = next.steps;
+  report.episodes = next.episodes_used;
+  report.learning_rate = settings.learning_rate;
+  report.explained_variance = batch.explained_variance;
+  sums.Fill(report);
+  FillHeadSpread(impl.config, next.parameters, report);
+  FillReturns(episodes, report);
+  impl.state = std::move(next);
+  return report;
+}
+
+}  // namespace metronome

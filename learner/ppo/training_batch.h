@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "common/messages/episode.h"
+#include "common/messages/messages.h"
+#include "common/policy/network.h"
+#include "common/schema/config.pb.h"
+#include "learner/ppo/worker_team.h"
+
+namespace metronome {
+
+/// The N = E * T samples of one update, in episode and time order, ready for the epochs.
+struct TrainingBatch {
+  Eigen::MatrixXf input;                  // [network inputs, N], normalised
+  Eigen::MatrixXf action;                 // [4, N]
+  std::vector<float> behaviour_log_prob;  // [N], as the actors said (and the check confirmed)
+  std::vector<float> proximal_log_prob;   // [N], under the parameters at the update's start
+  std::vector<float> value;               // [N], by the critic at the update's start
+  std::vector<float> advantage;           // [N]
+  std::vector<float> target;              // [N]
+  std::vector<std::uint16_t> head;        // [N]
+  double explained_variance = 0;          // of target by value
+
+  [[nodiscard]] std::size_t size() const { return head.size(); }
+};
+
+struct BatchSource {
+  const RunConfig& config;
+  const std::vector<Episode>& episodes;  // in number order
+  const PolicySnapshot& behaviour;       // its normaliser is the batch's
+  const float* parameters;               // at the update's start: actor, then critic
+  float reward_scale;                    // rewards are divided by it
+};
+
+/// @param team  shares out the episodes; never changes the result.
+TrainingBatch BuildBatch(const BatchSource& source, WorkerTeam& team);
+
+}  // namespace metronome

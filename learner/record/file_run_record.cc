@@ -1,0 +1,66 @@
+#include "learner/record/file_run_record.h"
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "common/config/config.h"
+#include "common/process/files.h"
+#include "common/process/sha256.h"
+#include "learner/record/run_folder.h"
+
+namespace metronome {
+
+FileRunRecord::FileRunRecord(std::string folder, Checkpoint first, ProgressPrinter printer)
+    : folder_(std::move(folder)), checkpoint_(std::move(first)), printer_(std::move(printer)) {}
+
+void FileRunRecord::Begin() {
+  WriteFileAtomically(ConfigPathOf(folder_), PrintConfig(checkpoint_.config));
+  store_.emplace(folder_ + "/checkpoints", checkpoint_.config.runtime().checkpoint_keep(),
+                 checkpoint_.config.runtime().milestone_every());
+  progress_.emplace(folder_ + "/progress.csv",
+                    static_cast<std::size_t>(checkpoint_.config.policy().heads()),
+                    checkpoint_.logs.progress_bytes);
+  events_.emplace(folder_ + "/" + TensorBoardLog::kFileName, checkpoint_.logs.events_bytes);
+}
+
+std::string FileRunRecord::Save(const TrainState& state) {
+  // A run that goes on from the checkpoint finds every row before it.
+  if (!progress_->Flush() || !events_->Flush()) {
+    throw std::system_error(errno, std::generic_category(), "the logs in " + folder_ + " wait");
+  }
+  checkpoint_.state = state;
+  checkpoint_.logs.progress_bytes = progress_->bytes();
+  checkpoint_.logs.events_bytes = events_->bytes();
+  return store_->Save(checkpoint_);
+}
+
+std::string FileRunRecord::LatestCheckpoint() const {
+  return store_ ? store_->Latest().value_or("") : "";
+}
+
+void FileRunRecord::Started(const TrainState& state) {
+  printer_.Started(state.version, state.steps);
+}
+
+void FileRunRecord::Excluded(const ExcludedHosts& hosts) {
+  SaveExcludedHosts(hosts, ExcludedHostsPathOf(folder_));
+}
+
+void FileRunRecord::Updated(const UpdateReport& report, const WallReport& wall) {
+  checkpoint_.logs.wall_seconds = wall.seconds;
+  const std::vector<Metric> metrics = MetricsOf(report, wall);
+  progress_->Append(metrics);
+  events_->Append(report.steps, metrics);
+  printer_.Updated(report, wall);
+}
+
+void FileRunRecord::Finished(const TrainState& state, const std::string& accounting) {
+  printer_.Finished(accounting, LatestCheckpoint(), WeightsSha256(state.parameters));
+}
+
+void FileRunRecord::Interrupted(const TrainState& state) {
+  printer_.Interrupted(state.version, LatestCheckpoint());
+}
+
+}  // namespace metronome

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "common/checkpoint/checkpoint.h"
+#include "common/schema/config.pb.h"
+#include "learner/record/progress_log.h"
+#include "learner/record/progress_printer.h"
+#include "learner/record/run_record.h"
+#include "learner/record/tensorboard.h"
+
+namespace metronome {
+
+/// A run's results in its folder: config.textproto, checkpoints/, progress.csv, the TensorBoard
+/// file; and what the terminal shows. Files are opened by Begin.
+class FileRunRecord final : public RunRecord {
+ public:
+  /// @param folder       exists.
+  /// @param first        the checkpoint gone on from (its logs say where to cut), else one of
+  ///                     version 0; config, engine, build and incarnation are written from it.
+  FileRunRecord(std::string folder, Checkpoint first, ProgressPrinter printer);
+
+  void Begin() override;
+  std::string Save(const TrainState& state) override;
+  [[nodiscard]] std::string LatestCheckpoint() const override;
+  void Started(const TrainState& state) override;
+  void Excluded(const ExcludedHosts& hosts) override;
+  void Updated(const UpdateReport& report, const WallReport& wall) override;
+  void Finished(const TrainState& state, const std::string& accounting) override;
+  void Interrupted(const TrainState& state) override;
+
+ private:
+  std::string folder_;
+  Checkpoint checkpoint_;  // what Save writes; its state changes
+  ProgressPrinter printer_;
+  std::optional<CheckpointStore> store_;
+  std::optional<ProgressLog> progress_;
+  std::optional<TensorBoardLog> events_;
+};
+
+}  // namespace metronome

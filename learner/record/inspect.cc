@@ -1,0 +1,84 @@
+#include "learner/record/inspect.h"
+
+#include <cmath>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+
+#include "common/config/config_fields.h"
+#include "common/policy/network.h"
+#include "common/process/sha256.h"
+
+namespace metronome {
+namespace {
+
+std::vector<double> HeadStd(const Checkpoint& checkpoint) {
+  const NetworkShape shape = ShapeOf(checkpoint.config);
+  std::size_t at = ActorLayout(shape).log_std;
+  std::vector<double> std_of_head;
+  for (int head = 0; head < shape.heads; ++head) {
+    double sum = 0;
+    for (int i = 0; i < shape.action; ++i)
+      sum += std::exp(double{checkpoint.state.parameters[at++]});
+    std_of_head.push_back(sum / shape.action);
+  }
+  return std_of_head;
+}
+
+std::string PolicyWord(const RunConfig& config, const std::string& field) {
+  return FieldText(config.policy(), *PolicyConfig::descriptor()->FindFieldByName(field));
+}
+
+using Json = nlohmann::ordered_json;
+
+/// A path may not be text.
+std::string Dump(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json Describe(const Checkpoint& checkpoint) {
+  const RunConfig& config = checkpoint.config;
+  const NetworkShape shape = ShapeOf(config);
+  const TrainState& state = checkpoint.state;
+  Json description = {
+      {"version", state.version},
+      {"steps", state.steps},
+      {"weights_sha256", WeightsSha256(state.parameters)},
+      {"task", config.environment().task()},
+      {"method", PolicyWord(config, "method")},
+      {"heads", config.policy().heads()},
+      {"schedule", PolicyWord(config, "schedule")},
+      {"critic_heads", PolicyWord(config, "critic_heads")},
+      {"seed", config.seed()},
+      {"engine", checkpoint.engine},
+      {"build", checkpoint.build},
+      {"incarnation", checkpoint.incarnation},
+      {"episodes_used", state.episodes_used},
+      {"total_steps", config.total_steps()},
+      {"parameters", state.parameters.size()},
+      {"actor_parameters", ActorLayout(shape).size},
+      {"critic_parameters", CriticLayout(shape).size},
+      {"wall_seconds", checkpoint.logs.wall_seconds},
+      {"head_std", HeadStd(checkpoint)},
+  };
+  if (!checkpoint.initial_weights_sha256.empty()) {
+    description["initial_weights"] = config.policy().initial_weights();
+    description["initial_weights_sha256"] = checkpoint.initial_weights_sha256;
+  }
+  return description;
+}
+
+}  // namespace
+
+void PrintCheckpoint(const Checkpoint& checkpoint, std::ostream& out) {
+  const Json description = Describe(checkpoint);
+  for (const auto& [name, value] : description.items()) {
+    out << std::left << std::setw(18) << name + " "
+        << (value.is_string() ? value.get<std::string>() : Dump(value)) << "\n";
+  }
+}
+
+void PrintCheckpointJson(const Checkpoint& checkpoint, std::ostream& out) {
+  out << Dump(Describe(checkpoint)) << "\n";
+}
+
+}  // namespace metronome

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "learner/learning/update_report.h"
+
+/// What is logged after an update: one list for progress.csv and TensorBoard.
+namespace metronome {
+
+/// Wall-clock side of an update: the only numbers allowed to differ between two equal runs.
+struct WallReport {
+  double seconds = 0;  // that the run has taken, all starts together
+  // Of this update's batch: from when its orders could go out to the start of the update. With
+  // overlap that includes waiting for the update before.
+  double collect_seconds = 0;
+  double update_seconds = 0;          // this update: learning alone
+  double idle_share = 0;              // of the actors' slots, 0..1, meanwhile; with overlap: since
+                                      // the update before began
+  std::uint64_t bytes_sent = 0;       // payload, since this start
+  std::uint64_t bytes_received = 0;   // payload, since this start
+  std::uint64_t actors = 0;           // connected
+  std::uint64_t slots = 0;            // episodes that they play at once
+  std::uint64_t orders_repeated = 0;  // episodes ordered again, since this start
+};
+
+struct Metric {
+  std::string column;  // of progress.csv; wall-clock ones are `fps` and those that begin with wall_
+  std::string tag;     // of TensorBoard; wall-clock ones begin with wall/
+  std::variant<std::uint64_t, double> value;
+};
+
+/// All metrics in column order: the run's own, those per head, the wall-clock ones.
+/// @throws std::invalid_argument if the report's per-head lists differ in length.
+std::vector<Metric> MetricsOf(const UpdateReport& report, const WallReport& wall);
+
+}  // namespace metronome

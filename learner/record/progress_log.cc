@@ -1,0 +1,49 @@
+#include "learner/record/progress_log.h"
+
+#include "common/text/number_text.h"
+
+namespace metronome {
+namespace {
+
+std::size_t WholeLines(std::string_view content) {
+  const std::size_t last = content.rfind('\n');
+  return last == std::string_view::npos ? 0 : last + 1;
+}
+
+std::string ValueText(const Metric& metric) {
+  if (const auto* whole = std::get_if<std::uint64_t>(&metric.value)) return std::to_string(*whole);
+  return FormatNumber(std::get<double>(metric.value));
+}
+
+std::string HeaderOf(std::size_t heads) {
+  UpdateReport report;
+  for (auto* list :
+       {&report.head_entropy, &report.head_kl, &report.head_clip_share, &report.head_std}) {
+    list->resize(heads);
+  }
+  std::string header;
+  for (const Metric& metric : MetricsOf(report, {})) {
+    if (!header.empty()) header += ',';
+    header += metric.column;
+  }
+  return header + "\n";
+}
+
+}  // namespace
+
+ProgressLog::ProgressLog(const std::string& path, std::size_t heads, std::uint64_t keep_bytes)
+    : file_(path, keep_bytes, WholeLines) {
+  if (file_.size() == 0) file_.Append(HeaderOf(heads));
+}
+
+void ProgressLog::Append(const std::vector<Metric>& metrics) {
+  std::string row;
+  for (const Metric& metric : metrics) {
+    if (!row.empty()) row += ',';
+    row += ValueText(metric);
+  }
+  row += '\n';
+  file_.Append(row);
+}
+
+}  // namespace metronome

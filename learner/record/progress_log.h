@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "learner/record/metrics.h"
+#include "learner/record/record_file.h"
+
+namespace metronome {
+
+/// progress.csv: a header, then one row an update, each number in the shortest form that reads back
+/// as the same bits. Two runs of equal configuration have equal columns but for the wall-clock
+/// ones. Columns: learner/README.md. Not thread-safe.
+class ProgressLog {
+ public:
+  /// @param heads       k of the run.
+  /// @param keep_bytes  LogOffsets::progress_bytes of the checkpoint gone on from; 0: a new file.
+  /// @throws std::system_error, see RecordFile.
+  ProgressLog(const std::string& path, std::size_t heads, std::uint64_t keep_bytes);
+
+  /// Writes a row; it is in the file when this returns, or waits for room (see RecordFile).
+  void Append(const std::vector<Metric>& metrics);
+
+  /// For LogOffsets::progress_bytes.
+  [[nodiscard]] std::uint64_t bytes() const { return file_.size(); }
+
+  /// See RecordFile.
+  bool Flush() { return file_.Flush(); }
+
+ private:
+  RecordFile file_;
+};
+
+}  // namespace metronome

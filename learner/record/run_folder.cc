@@ -1,0 +1,108 @@
+#include "learner/record/run_folder.h"
+
+#include <fcntl.h>
+#include <spdlog/spdlog.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <filesystem>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+#include "common/process/files.h"
+#include "common/process/process_identity.h"
+
+namespace metronome {
+namespace {
+
+[[noreturn]] void Fail(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+// Who holds the lock, for the message alone: the lock itself never depends on it.
+std::string HolderText() { return "process " + std::to_string(getpid()) + " on " + HostName(); }
+
+}  // namespace
+
+RunFolder::RunFolder(std::string path) : path_(std::move(path)) {
+  std::error_code error;
+  std::filesystem::create_directories(path_, error);
+  if (error) {
+    throw std::system_error(error,
+                            "cannot make " + path_ + " (--runs DIR: another folder of runs)");
+  }
+  Lock();
+}
+
+RunFolder::~RunFolder() {
+  RemoveIfUnused();
+  close(lock_);
+}
+
+void RunFolder::Lock() {
+  const std::string file = File("lock");
+  lock_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (lock_ < 0) Fail("cannot lock " + file);
+  if (flock(lock_, LOCK_EX | LOCK_NB) == 0) {
+    const std::string text = HolderText() + "\n";
+    if (ftruncate(lock_, 0) != 0 || pwrite(lock_, text.data(), text.size(), 0) < 0) {
+      spdlog::warn("{} does not say who holds the run: {}", file,
+                   std::generic_category().message(errno));
+    }
+    return;
+  }
+  const int error = errno;
+  std::array<char, 256> holder{};
+  const bool known = pread(lock_, holder.data(), holder.size() - 1, 0) > 0;
+  close(lock_);
+  errno = error;
+  if (error != EWOULDBLOCK) Fail("cannot lock " + file);
+  std::string who = known ? holder.data() : "a process that did not say who it is";
+  while (who.ends_with('\n')) who.pop_back();
+  throw RunFolderBusy("a learner of this run is alive: " + who + " holds " + file +
+                      "; stop it first, or give this run another --run NAME");
+}
+
+std::uint64_t RunFolder::NextIncarnation(std::uint64_t seen) {
+  const std::string file = File("incarnation");
+  std::uint64_t last = 0;
+  if (std::filesystem::is_directory(file)) {
+    std::filesystem::rename(file, file + ".damaged");
+    spdlog::warn("{} is a folder, now {}.damaged; going on from the checkpoint's {}", file, file,
+                 seen);
+  }
+  if (std::filesystem::exists(file)) {
+    const std::string text = ReadFile(file);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), last);
+    if (error != std::errc() || last == std::numeric_limits<std::uint64_t>::max()) {
+      spdlog::warn("{} holds no number that can grow; going on from the checkpoint's {}", file,
+                   seen);
+      last = 0;
+    }
+  }
+  const std::uint64_t next = std::max(last, seen) + 1;
+  WriteFileAtomically(file, std::to_string(next) + "\n");
+  return next;
+}
+
+void RunFolder::RemoveIfUnused() const {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(path_, ignored)) {
+    const std::string name = entry.path().filename();
+    if (name != "lock" && name != "incarnation") return;
+  }
+  std::filesystem::remove(File("incarnation"), ignored);
+  std::filesystem::remove(File("lock"), ignored);
+  std::filesystem::remove(path_, ignored);
+}
+
+std::string ConfigPathOf(const std::string& run_folder) {
+  return (std::filesystem::path(run_folder) / "config.textproto").string();
+}
+
+}  // namespace metronome

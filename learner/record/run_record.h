@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+
+#include "common/policy/train_state.h"
+#include "learner/collect/excluded_hosts.h"
+#include "learner/learning/update_report.h"
+#include "learner/record/metrics.h"
+
+namespace metronome {
+
+/// Where a run's results go: checkpoints, logs, the terminal. Not thread-safe. Any of these may
+/// throw (the disk is full, say); the coordinator says so loudly and goes on.
+class RunRecord {
+ public:
+  virtual ~RunRecord() = default;
+  /// This learner has the run: folders and files are made, logs cut back to the state it begins
+  /// with.
+  virtual void Begin() = 0;
+  /// Writes a checkpoint; the one before stays until it is safely there. @return its path.
+  virtual std::string Save(const TrainState& state) = 0;
+  /// Path of the newest checkpoint that was written.
+  [[nodiscard]] virtual std::string LatestCheckpoint() const = 0;
+  /// The run is accepted: actors may come.
+  virtual void Started(const TrainState& state) = 0;
+  /// An audit excluded a host: all that are excluded from here on.
+  virtual void Excluded(const ExcludedHosts& hosts) = 0;
+  virtual void Updated(const UpdateReport& report, const WallReport& wall) = 0;
+  virtual void Finished(const TrainState& state, const std::string& accounting) = 0;
+  /// Stopped before its end by a signal.
+  virtual void Interrupted(const TrainState& state) = 0;
+};
+
+}  // namespace metronome

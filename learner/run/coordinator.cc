@@ -1,0 +1,395 @@
+#include "learner/run/coordinator.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "common/process/cpu_times.h"
+#include "common/process/exit_codes.h"
+
+namespace metronome {
+namespace {
+
+// Nothing is due before this: waiting longer would be as good.
+constexpr std::chrono::seconds kLongWait{60};
+
+double SecondsBetween(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+}  // namespace
+
+Coordinator::Coordinator(CoordinatorSetup setup, LearnerBus& bus, Learning& learning,
+                         RunRecord& record, Background& background, std::function<TimePoint()> now)
+    : setup_(std::move(setup)),
+      bus_(bus),
+      learning_(learning),
+      record_(record),
+      background_(background),
+      now_(std::move(now)),
+      rivals_(setup_.description.learner_id, setup_.rivals, now_()),
+      collector_(bus, learning, setup_.description, setup_.rules, learning.state().canonical_digest,
+                 setup_.excluded),
+      status_(setup_.status, setup_.description, setup_.rules),
+      exclusions_kept_(setup_.excluded.size()),
+      version_(learning.state().version) {
+  if (!setup_.resumed) return;
+  saved_version_ = version_;
+  status_.Saved(version_);
+}
+
+// The work in the background refers to this object.
+Coordinator::~Coordinator() { background_.Wait(); }
+
+void Coordinator::RequestStop(int signal) {
+  stop_signal_ = signal;
+  bus_.Wake();
+}
+
+int Coordinator::Run() {
+  if (const auto refused = AwaitRivals()) return *refused;
+  if (!Begin()) return kExitFailure;
+  Serve();
+  WaitForUpdate();
+  return End();
+}
+
+// Starting: shows itself and waits until nobody else has the run. @return why not to go on.
+std::optional<int> Coordinator::AwaitRivals() {
+  bus_.Publish(setup_.description);
+  while (!rivals_.MayServe(now_())) {
+    if (stop_signal_ != 0) return kExitSignalBase + stop_signal_;
+    if (const auto reason = rivals_.MustStop(now_())) {
+      spdlog::error("{}; stop that one first, or give this run another --run NAME", *reason);
+      return kExitRival;
+    }
+    const auto event = bus_.Wait(rivals_.NextDeadline(now_()).value_or(now_() + kLongWait));
+    if (!event) continue;
+    if (const auto* seen = std::get_if<RivalSeen>(&*event)) {
+      spdlog::info(
+          "another learner of this run is seen (id {}, start {}); waiting whether it lives",
+          seen->description.learner_id, seen->description.incarnation);
+      rivals_.See(seen->description, now_());
+    } else if (const auto* lost = std::get_if<RivalLost>(&*event)) {
+      rivals_.Lose(lost->learner_id);
+    }
+    // Actors that are there already speak again once the description says serving.
+  }
+  return std::nullopt;
+}
+
+// The state is safely on disk before the first order.
+bool Coordinator::Begin() {
+  const TrainState state = CopyState();
+  record_.Begin();
+  if (!setup_.resumed && !Save(state)) {
+    spdlog::error("no checkpoint can be written, so nothing is started");
+    return false;
+  }
+  serving_since_ = now_();
+  status_.Begin(state.version, state.steps, setup_.seconds_before, serving_since_);
+  rivals_.Serve(serving_since_);
+  setup_.description.serving = true;
+  bus_.Publish(setup_.description);
+  PublishState(setup_.rules.overlap > 0 && version_ > 0);
+  next_call_ = serving_since_ + setup_.first_call_for_actors;
+  record_.Started(state);
+  return true;
+}
+
+void Coordinator::PublishState(bool previous_too) {
+  const auto publish = [&](PolicySnapshot snapshot) {
+    snapshot.incarnation = setup_.description.incarnation;
+    bus_.Publish(snapshot);
+    collector_.AddSnapshot(std::move(snapshot));
+  };
+  const TrainState& state = learning_.state();
+  if (previous_too) publish(learning_.PreviousSnapshot(state));
+  publish(learning_.Snapshot(state));
+  published_[state.version] = now_();
+  while (published_.size() > 2) published_.erase(published_.begin());
+}
+
+void Coordinator::Serve() {
+  while (!ending_ && version_ < setup_.rules.updates_total) {
+    ServeOnce();
+    if (stop_signal_ != 0) ending_ = kExitSignalBase + stop_signal_;
+    if (const auto reason = rivals_.MustStop(now_())) {
+      spdlog::error("{}; this learner stops", *reason);
+      ending_ = kExitRival;
+    }
+  }
+}
+
+void Coordinator::ServeOnce() {
+  const TimePoint now = now_();
+  CallForActors(now);
+  if (now >= status_.due()) PublishStatus(StateNow());
+  TimePoint deadline = std::min<TimePoint>(now + kLongWait, status_.due());
+  for (const auto& due : {collector_.SendOrders(now), rivals_.NextDeadline(now), next_call_}) {
+    if (due) deadline = std::min(deadline, *due);
+  }
+  if (auto event = bus_.Wait(deadline)) Handle(std::move(*event), now_());
+  KeepExclusions();
+  FinishUpdateIfDone();
+  StartUpdateIfReady();
+}
+
+void Coordinator::Handle(LearnerEvent event, TimePoint now) {
+  std::visit(
+      [&](auto& value) {
+        using Type = std::decay_t<decltype(value)>;
+        if constexpr (std::is_same_v<Type, ActorStatus>) {
+          collector_.OnStatus(value, now);
+        } else if constexpr (std::is_same_v<Type, ActorLost>) {
+          collector_.OnLost(value.actor_id, now);
+        } else if constexpr (std::is_same_v<Type, EpisodeMessage>) {
+          collector_.OnEpisode(std::move(value), now);
+        } else if constexpr (std::is_same_v<Type, BadSample>) {
+          collector_.OnBadSample(value, now);
+        } else if constexpr (std::is_same_v<Type, RivalSeen>) {
+          OnRival(value, now);
+        } else if constexpr (std::is_same_v<Type, RivalLost>) {
+          rivals_.Lose(value.learner_id);
+        }
+      },
+      event);
+}
+
+void Coordinator::KeepExclusions() {
+  const ExcludedHosts& excluded = collector_.excluded();
+  if (excluded.size() == exclusions_kept_) return;
+  exclusions_kept_ = excluded.size();
+  try {
+    record_.Excluded(excluded);
+  } catch (const std::exception& failure) {
+    spdlog::error(
+        "that a host is excluded was not written: {}; if the learner starts again, it is "
+        "let in again",
+        failure.what());
+  }
+}
+
+void Coordinator::OnRival(const RivalSeen& rival, TimePoint now) {
+  if (rival.description.serving) {
+    spdlog::warn("another learner serves this run too: id {}, start {}, {}",
+                 rival.description.learner_id, rival.description.incarnation,
+                 rival.description.build);
+  }
+  rivals_.See(rival.description, now);
+}
+
+void Coordinator::CallForActors(TimePoint now) {
+  if (collector_.actors() > 0) {
+    next_call_.reset();
+    return;
+  }
+  if (!next_call_) next_call_ = now + setup_.call_for_actors_every;
+  if (now < *next_call_) return;
+  next_call_ = now + setup_.call_for_actors_every;
+  spdlog::info("waiting for actors; start one with: {}", setup_.how_to_join);
+}
+
+LearnerStatus::State Coordinator::StateNow() const {
+  if (updating_ != nullptr) return LearnerStatus::State::kUpdating;
+  return collector_.actors() > 0 ? LearnerStatus::State::kCollecting
+                                 : LearnerStatus::State::kWaitingForActors;
+}
+
+void Coordinator::PublishStatus(LearnerStatus::State state) {
+  const LearnerStatus status = status_.Make(state, collector_, bus_, now_());
+  bus_.Publish(status);
+  if (setup_.on_status) setup_.on_status(status);
+}
+
+void Coordinator::StartUpdateIfReady() {
+  if (ending_ || updating_ != nullptr || version_ >= setup_.rules.updates_total ||
+      !collector_.IsComplete(version_)) {
+    return;
+  }
+  updating_ = collector_.Take(version_);
+  const std::uint64_t orderable_since = version_ - std::min(version_, setup_.rules.overlap);
+  UpdateOutcome begun;
+  begun.collect_seconds = SecondsBetween(published_.lower_bound(orderable_since)->second, now_());
+  begun.idle_share = collector_.TakeIdleShare(now_());
+  background_.Start([this, outcome = std::move(begun), batch = updating_]() mutable {
+    const TimePoint begin = now_();
+    try {
+      outcome.report = learning_.Update(*batch);
+    } catch (...) {
+      outcome.error = std::current_exception();
+    }
+    outcome.seconds = SecondsBetween(begin, now_());
+    {
+      const std::lock_guard lock(outcome_mutex_);
+      outcome_ = std::move(outcome);
+    }
+    bus_.Wake();
+  });
+}
+
+void Coordinator::FinishUpdateIfDone() {
+  UpdateOutcome outcome;
+  {
+    const std::lock_guard lock(outcome_mutex_);
+    if (!outcome_) return;
+    outcome = std::move(*outcome_);
+    outcome_.reset();
+  }
+  background_.Wait();  // it has nothing left to do but to return
+  const BatchStore::Batch batch = std::exchange(updating_, nullptr);
+  if (outcome.error) {
+    OnUpdateFailed(outcome.error);
+    return;
+  }
+  collector_.CountEntered(*batch);
+  // Without overlap nothing could be ordered meanwhile: that is no idleness of collecting.
+  if (setup_.rules.overlap == 0) collector_.TakeIdleShare(now_());
+  collector_.Publish(++version_, now_());
+  PublishState(false);
+  const TrainState state = CopyState();
+  // Actors and the next update go on while the disk is busy.
+  if (!ending_) collector_.SendOrders(now_());
+  StartUpdateIfReady();
+  TellProgress(outcome, state);
+  const bool milestone = setup_.milestone_every > 0 && version_ % setup_.milestone_every == 0;
+  if (version_ % setup_.checkpoint_every == 0 || milestone ||
+      version_ == setup_.rules.updates_total) {
+    Save(state);
+  }
+}
+
+void Coordinator::OnUpdateFailed(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const NonFiniteUpdate& failure) {
+    ending_ = kExitNonFinite;
+    spdlog::error("update to version {} stops the run: {}", version_ + 1, failure.what());
+  } catch (const std::exception& failure) {
+    ending_ = kExitFailure;
+    spdlog::error("update to version {} failed: {}", version_ + 1, failure.what());
+  }
+}
+
+// A running update cannot be cut short; its result is complete, so it is kept.
+void Coordinator::WaitForUpdate() {
+  while (updating_ != nullptr) {
+    bus_.Wait(now_() + kLongWait);
+    FinishUpdateIfDone();
+  }
+}
+
+void Coordinator::TellProgress(const UpdateOutcome& outcome, const TrainState& state) {
+  const CpuTimer timer(CpuUse::kSave);
+  const WallReport wall = WallReportOf(outcome);
+  status_.Updated(outcome.report, wall);
+  try {
+    record_.Updated(outcome.report, wall);
+  } catch (const std::exception& failure) {
+    spdlog::error("the progress of update {} was not written: {}", state.version, failure.what());
+  }
+}
+
+WallReport Coordinator::WallReportOf(const UpdateOutcome& outcome) {
+  const TimePoint now = now_();
+  WallReport wall;
+  wall.seconds = setup_.seconds_before + SecondsBetween(serving_since_, now);
+  wall.collect_seconds = outcome.collect_seconds;
+  wall.update_seconds = outcome.seconds;
+  wall.idle_share = outcome.idle_share;
+  wall.bytes_sent = bus_.bytes_sent();
+  wall.bytes_received = bus_.bytes_received();
+  wall.actors = collector_.actors();
+  wall.slots = collector_.slots();
+  wall.orders_repeated = collector_.counts().reordered;
+  return wall;
+}
+
+TrainState Coordinator::CopyState() const {
+  TrainState state = learning_.state();
+  state.canonical_digest = collector_.digest();
+  return state;
+}
+
+bool Coordinator::Save(const TrainState& state) {
+  const CpuTimer timer(CpuUse::kSave);
+  try {
+    record_.Save(state);
+    saved_version_ = state.version;
+    status_.Saved(state.version);
+    return true;
+  } catch (const std::exception& failure) {
+    spdlog::error("CHECKPOINT OF VERSION {} NOT WRITTEN: {}; {}", state.version, failure.what(),
+                  saved_version_ ? "the one of version " + std::to_string(*saved_version_) +
+                                       " is kept: " + record_.LatestCheckpoint()
+                                 : "there is none yet");
+    return false;
+  }
+}
+
+// The last complete version is on disk before anything else is said.
+int Coordinator::End() {
+  const TrainState state = CopyState();
+  const bool saved = saved_version_ == state.version || Save(state);
+  if (!ending_ && !saved) {
+    spdlog::error("the run is finished, but its end is not on disk; make room and use --resume");
+    Farewell();
+    return kExitFailure;
+  }
+  if (!ending_) return EndFinished(state);
+  if (*ending_ > kExitSignalBase && !saved) ending_ = kExitFailure;  // Save has said what is kept
+  if (saved) {
+    spdlog::info("stopped after update {} of {}; the last good checkpoint is {}", state.version,
+                 setup_.rules.updates_total, record_.LatestCheckpoint());
+  }
+  if (*ending_ > kExitSignalBase) record_.Interrupted(state);
+  PublishStatus(LearnerStatus::State::kStopped);
+  return *ending_;
+}
+
+int Coordinator::EndFinished(const TrainState& state) {
+  const bool exact = collector_.Account().exact();
+  const std::string accounting = AccountingText();
+  if (!exact) spdlog::error("{}", accounting);
+  if (const std::string audit = collector_.AuditText(); !audit.empty()) spdlog::info("{}", audit);
+  record_.Finished(state, accounting);
+  PublishStatus(LearnerStatus::State::kFinished);
+  Farewell();
+  return exact ? kExitFinished : kExitFailure;
+}
+
+// Actors that know that the run is finished leave by themselves.
+void Coordinator::Farewell() {
+  setup_.description.finished = true;
+  bus_.Publish(setup_.description);
+  const TimePoint deadline = now_() + setup_.farewell;
+  while (collector_.actors() > 0 && now_() < deadline && stop_signal_ == 0) {
+    const auto event = bus_.Wait(deadline);
+    if (!event) continue;
+    if (const auto* lost = std::get_if<ActorLost>(&*event)) {
+      collector_.OnLost(lost->actor_id, now_());
+    }
+  }
+}
+
+std::string Coordinator::AccountingText() const {
+  const BatchStore::Accounting accounting = collector_.Account();
+  const LedgerCounts& counts = collector_.counts();
+  std::string text = accounting.exact() ? "every episode number entered exactly one update: "
+                                        : "NOT every episode number entered exactly one update: ";
+  text += std::to_string(accounting.once) + " of " + std::to_string(accounting.total) +
+          " (re-ordered " + std::to_string(counts.reordered) + ", duplicates " +
+          std::to_string(counts.duplicates) + ", rejected " + std::to_string(counts.rejected);
+  if (counts.differing_duplicates > 0) {
+    text += ", DIFFERING DUPLICATES " + std::to_string(counts.differing_duplicates);
+  }
+  if (accounting.before_resume > 0) {
+    text += "; " + std::to_string(accounting.before_resume) + " before the last resume";
+  }
+  return text + ")";
+}
+
+}  // namespace metronome

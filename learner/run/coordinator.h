@@ -1,0 +1,124 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "common/messages/bus.h"
+#include "learner/collect/collector.h"
+#include "learner/learning/learning.h"
+#include "learner/record/run_record.h"
+#include "learner/run/background.h"
+#include "learner/run/rival_watch.h"
+#include "learner/run/status_report.h"
+
+namespace metronome {
+
+/// What a coordinator is told once.
+struct CoordinatorSetup {
+  RunDescription description;  // serving and finished are the coordinator's to set
+  OrderRules rules;
+  ExcludedHosts excluded;  // by earlier starts
+  StatusFacts status;
+  std::function<void(const LearnerStatus&)> on_status;  // called with each that is published
+  double seconds_before = 0;           // wall-clock: that the run took before this start
+  std::uint64_t checkpoint_every = 1;  // updates
+  std::uint64_t milestone_every = 0;   // updates; 0: none
+  bool resumed = false;                // the state is that of an existing checkpoint
+  std::string how_to_join;             // command that starts an actor, for people
+  RivalTimes rivals;
+  std::chrono::milliseconds first_call_for_actors{3000};
+  std::chrono::milliseconds call_for_actors_every{5000};
+  std::chrono::milliseconds farewell{5000};  // actors have this long to leave a finished run
+};
+
+/// The learner's main loop: looks for rivals, orders and gathers episodes, has them learnt from,
+/// publishes weights, keeps checkpoints, ends the run. One thread, which only ever waits in
+/// LearnerBus::Wait; updates run beside it in `background`.
+class Coordinator {
+ public:
+  using TimePoint = Clock::time_point;
+
+  /// The arguments must outlive the coordinator.
+  /// @param now  the clock that bus.Wait's deadlines refer to.
+  Coordinator(CoordinatorSetup setup, LearnerBus& bus, Learning& learning, RunRecord& record,
+              Background& background, std::function<TimePoint()> now = Clock::now);
+  ~Coordinator();
+  Coordinator(const Coordinator&) = delete;
+  Coordinator& operator=(const Coordinator&) = delete;
+
+  /// Serves the run to its end, a stop, or an error; call once. @return an ExitCode
+  /// (common/process/exit_codes.h). @throws std::runtime_error if the bus fails
+  /// or the run's files cannot be opened at the start.
+  int Run();
+
+  /// Ends Run with a checkpoint and 128 + signal; if none can be written, with kExitFailure. Any
+  /// thread; not from a signal handler.
+  void RequestStop(int signal);
+
+ private:
+  struct UpdateOutcome {
+    UpdateReport report;
+    double collect_seconds = 0;
+    double idle_share = 0;  // while the batch was collected
+    double seconds = 0;     // of the update
+    std::exception_ptr error;
+  };
+
+  std::optional<int> AwaitRivals();
+  bool Begin();
+  void PublishState(bool previous_too);
+  void Serve();
+  void ServeOnce();
+  void Handle(LearnerEvent event, TimePoint now);
+  void KeepExclusions();
+  void OnRival(const RivalSeen& rival, TimePoint now);
+  void CallForActors(TimePoint now);
+  void PublishStatus(LearnerStatus::State state);
+  [[nodiscard]] LearnerStatus::State StateNow() const;
+
+  void StartUpdateIfReady();
+  void FinishUpdateIfDone();
+  void OnUpdateFailed(const std::exception_ptr& error);
+  void WaitForUpdate();
+  void TellProgress(const UpdateOutcome& outcome, const TrainState& state);
+  [[nodiscard]] WallReport WallReportOf(const UpdateOutcome& outcome);
+
+  [[nodiscard]] TrainState CopyState() const;
+  bool Save(const TrainState& state);
+  int End();
+  int EndFinished(const TrainState& state);
+  void Farewell();
+  [[nodiscard]] std::string AccountingText() const;
+
+  CoordinatorSetup setup_;
+  LearnerBus& bus_;
+  Learning& learning_;
+  RunRecord& record_;
+  Background& background_;
+  std::function<TimePoint()> now_;
+
+  RivalWatch rivals_;
+  Collector collector_;
+  StatusReport status_;
+  std::size_t exclusions_kept_;
+  std::uint64_t version_;  // updates made and published
+  std::optional<std::uint64_t> saved_version_;
+  TimePoint serving_since_;
+  std::map<std::uint64_t, TimePoint> published_;  // when each of the last versions went out
+  std::optional<TimePoint> next_call_;
+
+  BatchStore::Batch updating_;  // the batch being learnt from, or null
+  std::mutex outcome_mutex_;
+  std::optional<UpdateOutcome> outcome_;  // guarded by outcome_mutex_
+  std::atomic<int> stop_signal_{0};
+  std::optional<int> ending_;  // exit code; the loop ends when it is set
+};
+
+}  // namespace metronome

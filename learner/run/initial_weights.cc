@@ -1,0 +1,77 @@
+#include "learner/run/initial_weights.h"
+
+#include <algorithm>
+#include <map>
+
+#include "common/config/config.h"
+#include "common/policy/network.h"
+#include "common/process/build_info.h"
+
+namespace metronome {
+namespace {
+
+using Texts = std::map<std::string, std::string>;  // dotted path -> value
+
+Texts TextsOf(const RunConfig& config) {
+  Texts texts;
+  VisitFields(Resolve(config), [&](const std::string& path, const auto& owner, const auto& field) {
+    texts[path] = FieldText(owner, field);
+  });
+  return texts;
+}
+
+std::string DifferenceOf(const std::string& path, const std::string& there,
+                         const std::string& here) {
+  return path + ": trained with " + there + ", this run has " + here;
+}
+
+void RequireSameNetwork(const Checkpoint& source, const RunConfig& config) {
+  const std::string& path = config.policy().initial_weights();
+  const Texts there = TextsOf(source.config), here = TextsOf(config);
+  std::vector<std::string> fields = {"policy.method", "policy.heads", "policy.hidden"};
+  // With one head, separate and shared critics are the same network.
+  if (ShapeOf(source.config).critic_heads != ShapeOf(config).critic_heads) {
+    fields.emplace_back("policy.critic_heads");
+  }
+  const auto other = std::find_if(fields.begin(), fields.end(), [&](const std::string& field) {
+    return there.at(field) != here.at(field);
+  });
+  if (other == fields.end()) return RequireShape(source, config, path);
+  throw ConfigError("--from " + path + ": its " + *other + " is " + there.at(*other) +
+                    ", this run's is " + here.at(*other) +
+                    ": weights fit the same method, heads and sizes alone (--set " + *other + "=" +
+                    there.at(*other) + ")");
+}
+
+}  // namespace
+
+Checkpoint LoadInitialWeights(const RunConfig& config) {
+  try {
+    Checkpoint source = LoadCheckpoint(config.policy().initial_weights());
+    RequireSameNetwork(source, config);
+    return source;
+  } catch (const CheckpointError& error) {
+    throw ConfigError("--from: " + std::string(error.what()));
+  }
+}
+
+TrainingDifferences DifferencesFrom(const Checkpoint& source, const RunConfig& config) {
+  TrainingDifferences differences;
+  const Texts there = TextsOf(source.config);
+  for (const auto& [path, here] : TextsOf(config)) {
+    const bool of_environment = path.starts_with("environment.");
+    const bool of_heads = path == "policy.schedule" && config.policy().heads() > 1;
+    const bool of_policy =
+        of_heads || path == "policy.observation_clip" || path == "policy.noise_correlation";
+    if (there.at(path) == here || !(of_environment || of_policy)) continue;
+    (of_heads ? differences.doubtful : differences.intended)
+        .push_back(DifferenceOf(path, there.at(path), here));
+  }
+  if (source.engine != EngineName()) {
+    differences.intended.push_back("engine: trained on " + source.engine + ", this run is on " +
+                                   EngineName());
+  }
+  return differences;
+}
+
+}  // namespace metronome

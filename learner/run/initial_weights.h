@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/checkpoint/checkpoint.h"
+#include "common/schema/config.pb.h"
+
+/// policy.initial_weights (--from): a new run that begins with the weights of another one.
+namespace metronome {
+
+/// The checkpoint that `config` (resolved) names.
+/// @throws ConfigError if it cannot be used, or if its network is another one: names method, heads
+///         or sizes.
+Checkpoint LoadInitialWeights(const RunConfig& config);
+
+/// How else the weights were trained than this run, with this engine, will train them: a line for
+/// each difference of the environment, of the policy and of the engine.
+struct TrainingDifferences {
+  std::vector<std::string> intended;  // what such runs are for: another task, horizon, ...
+  std::vector<std::string> doubtful;  // the heads meant something else
+};
+TrainingDifferences DifferencesFrom(const Checkpoint& source, const RunConfig& config);
+
+}  // namespace metronome

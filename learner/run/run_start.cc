@@ -1,0 +1,104 @@
+#include "learner/run/run_start.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "common/config/config.h"
+#include "common/process/build_info.h"
+#include "common/process/files.h"
+#include "common/process/sha256.h"
+#include "learner/ppo/trainer.h"
+#include "learner/record/run_folder.h"
+#include "learner/run/initial_weights.h"
+
+namespace metronome {
+namespace {
+
+/// Weights and observation statistics are taken; all else of the state stays that of version 0.
+void TakeInitialWeights(Checkpoint& fresh) {
+  const Checkpoint source = LoadInitialWeights(fresh.config);
+  fresh.state.parameters = source.state.parameters;
+  fresh.state.observation = source.state.observation;
+  fresh.initial_weights_sha256 = WeightsSha256(source.state.parameters);
+  spdlog::info("beginning with weights and observation statistics of {} ({}, update {}, {} steps)",
+               fresh.config.policy().initial_weights(), source.config.environment().task(),
+               source.state.version, source.state.steps);
+  const TrainingDifferences differences = DifferencesFrom(source, fresh.config);
+  for (const std::string& line : differences.intended) spdlog::info("the weights' {}", line);
+  for (const std::string& line : differences.doubtful) {
+    spdlog::warn("the weights' {}: each head has learnt another part of the episode", line);
+  }
+}
+
+RunStart FreshStart(const RunConfig& config) {
+  RunStart start;
+  start.checkpoint.config = config;
+  start.checkpoint.engine = EngineName();
+  start.checkpoint.state = Trainer::InitialState(config);
+  if (!config.policy().initial_weights().empty()) TakeInitialWeights(start.checkpoint);
+  return start;
+}
+
+/// A run's first row comes after its first checkpoint.
+void RequireNoProgress(const RunRequest& request, const std::string& checkpoints) {
+  const std::string path = request.folder + "/progress.csv";
+  if (!std::filesystem::exists(path)) return;
+  const std::string content = ReadFile(path);
+  const auto lines = std::count(content.begin(), content.end(), '\n');
+  if (lines <= 1) return;
+  throw CannotStart("run " + request.run + " has lost its checkpoints: " + path + " tells of " +
+                    std::to_string(lines - 1) + " updates, and there is none in " + checkpoints +
+                    "; put a copy there, or begin anew under another --run");
+}
+
+void RequireSameRun(const FoundCheckpoint& found, const RunRequest& request) {
+  const Checkpoint& checkpoint = found.checkpoint;
+  if (checkpoint.engine != EngineName()) {
+    throw CannotStart(found.path + " was trained on " + checkpoint.engine +
+                      ", this learner is built for " + EngineName() + ": resume with a build for " +
+                      checkpoint.engine);
+  }
+  RequireShape(checkpoint, request.config, found.path);
+  // The total may differ: the command line has compared it with the run's own file.
+  const auto differences = CompareForResume(checkpoint.config, request.config, true);
+  if (differences.empty()) return;
+  throw CannotStart(found.path + " belongs to another configuration than " +
+                    ConfigPathOf(request.folder) +
+                    " (remove that one to go on with the checkpoint's): " + differences.front());
+}
+
+void Tell(const FoundCheckpoint& found) {
+  if (found.passed_over.empty()) {
+    spdlog::info("going on from {}", found.path);
+    return;
+  }
+  for (const auto& passed : found.passed_over) spdlog::warn("{}", passed.why);
+  spdlog::warn(
+      "GOING ON FROM {} (update {}), the newest checkpoint that is whole: updates since then are "
+      "made again, to the same bits; damaged files are kept as *.damaged",
+      found.path, found.checkpoint.state.version);
+}
+
+}  // namespace
+
+RunStart StartOf(const RunRequest& request) {
+  if (!request.resume) return FreshStart(request.config);
+  const std::string folder = request.folder + "/checkpoints";
+  auto found = FindNewestCheckpoint(folder);
+  if (!found) {
+    RequireNoProgress(request, folder);
+    // Killed before its first checkpoint, so before its first order: nothing is lost.
+    spdlog::info("run {} has no checkpoint yet: it begins at version 0", request.run);
+    return FreshStart(request.config);
+  }
+  RequireSameRun(*found, request);
+  Tell(*found);
+  CheckpointStore(folder, request.config.runtime().checkpoint_keep()).GoOnFrom(*found);
+  RunStart start{std::move(found->checkpoint), true};
+  start.checkpoint.config = request.config;
+  return start;
+}
+
+}  // namespace metronome

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include "common/checkpoint/checkpoint.h"
+#include "common/schema/config.pb.h"
+
+namespace metronome {
+
+/// Which run, and how it is to be.
+struct RunRequest {
+  std::string run;     // its name: folder and DDS partition
+  std::string folder;  // RUNS_DIR/NAME; may not exist yet
+  bool resume = false;
+  RunConfig config;  // resolved and valid; with `resume` the run's own, runtime as asked for
+};
+
+/// The run cannot be served as asked, and starting again does not help.
+class CannotStart : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What a learner begins with.
+struct RunStart {
+  Checkpoint checkpoint;  // of version 0 where there was none
+  bool resumed = false;   // the checkpoint is on disk
+};
+
+/// Version 0 of a new run; with --resume the newest checkpoint that is whole (damaged ones are put
+/// aside, with a warning), or version 0 if the run never had one. Call with the run's folder
+/// locked.
+/// @throws CannotStart, CheckpointError, ConfigError, std::system_error naming the file and, where
+///         there is one, the way out.
+RunStart StartOf(const RunRequest& request);
+
+}  // namespace metronome

@@ -1,0 +1,71 @@
+#include "learner/run/status_report.h"
+
+#include <chrono>
+#include <utility>
+
+#include "learner/record/rates.h"
+
+namespace metronome {
+
+StatusReport::StatusReport(StatusFacts facts, const RunDescription& description,
+                           const OrderRules& rules) {
+  status_.incarnation = description.incarnation;
+  status_.learner_id = description.learner_id;
+  status_.run_name = description.run_name;
+  status_.task = std::move(facts.task);
+  status_.engine = description.engine;
+  status_.host = std::move(facts.host);
+  status_.pid = facts.pid;
+  status_.updates_total = rules.updates_total;
+  status_.total_steps = facts.total_steps;
+  status_.episodes_per_update = rules.episodes_per_update;
+}
+
+void StatusReport::Begin(std::uint64_t version, std::uint64_t steps, double seconds_before,
+                         TimePoint now) {
+  status_.version = version;
+  status_.steps = steps;
+  seconds_before_ = seconds_before;
+  begun_ = now;
+  due_ = now;
+}
+
+void StatusReport::Updated(const UpdateReport& report, const WallReport& wall) {
+  status_.version = report.version;
+  status_.steps = report.steps;
+  status_.mean_return = report.mean_return;
+  status_.success = report.success;
+  status_.success_end = report.success_end;
+  status_.collect_seconds = wall.collect_seconds;
+  status_.update_seconds = wall.update_seconds;
+  status_.idle_share = wall.idle_share;
+}
+
+// As progress.csv counts them: over all starts of the run.
+void StatusReport::SetRates(TimePoint now) {
+  status_.seconds = seconds_before_ + std::chrono::duration<double>(now - begun_).count();
+  status_.fps = StepsPerSecond(status_.steps, status_.seconds);
+  status_.eta_seconds = SecondsLeft(status_.steps, status_.total_steps, status_.fps);
+}
+
+LearnerStatus StatusReport::Make(LearnerStatus::State state, const Collector& collector,
+                                 const LearnerBus& bus, TimePoint now) {
+  due_ = now + kPeriod;
+  status_.state = state;
+  SetRates(now);
+  status_.batch_episodes = collector.AcceptedOf(status_.version);
+  const LedgerCounts& counts = collector.counts();
+  status_.accepted = counts.accepted;
+  status_.reordered = counts.reordered;
+  status_.duplicates = counts.duplicates;
+  status_.rejected = counts.rejected;
+  status_.stale = collector.stale();
+  status_.bytes_sent = bus.bytes_sent();
+  status_.bytes_received = bus.bytes_received();
+  status_.actors_total = collector.actors();
+  status_.slots_total = collector.slots();
+  status_.actors = collector.ReportActors(now);
+  return status_;
+}
+
+}  // namespace metronome

@@ -1,0 +1,60 @@
+#include "learner/show_status.h"
+
+#include <spdlog/spdlog.h>
+
+#include <exception>
+#include <iostream>
+#include <stdexcept>
+
+#include "common/dds/dds_bus.h"
+#include "common/process/exit_codes.h"
+#include "common/process/logging.h"
+#include "learner/watch/follow.h"
+
+namespace metronome {
+namespace {
+
+BusOptions BusOptionsOf(const StatusOptions& options) {
+  BusOptions bus;
+  bus.run_name = options.run;
+  bus.domain = options.domain;
+  bus.transport = ParseTransport(options.transport);
+  bus.network = ParseNetwork(options.network);
+  bus.security = options.security;
+  bus.discovery_servers = ParseDiscoveryServers(options.discovery_server);
+  CheckBusOptions(bus);
+  return bus;
+}
+
+int Watch(const StatusOptions& options) {
+  const auto bus = MakeDdsObserverBus(BusOptionsOf(options));
+  const auto wait = std::chrono::duration_cast<Clock::duration>(
+      std::chrono::duration<double>(options.wait_seconds));
+  const auto ending =
+      ShowLearner(*bus, Clock::now() + wait, {options.json, options.follow}, std::cout);
+  if (ending) return *ending;
+  spdlog::error(
+      "no learner of run {} is heard within {} s (domain {}, network {}): is it running, and "
+      "were --run, --domain, --transport, --network, --discovery-server and the authority of "
+      "--security the same there? On another machine it must not have been started with "
+      "--network loopback",
+      options.run, options.wait_seconds, options.domain, options.network);
+  return kExitNoLearner;
+}
+
+}  // namespace
+
+int WatchRun(const StatusOptions& options) {
+  SetUpLogging("status", {});
+  try {
+    return Watch(options);
+  } catch (const std::invalid_argument& error) {
+    spdlog::error("{}", error.what());
+    return kExitUsage;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return kExitFailure;
+  }
+}
+
+}  // namespace metronome

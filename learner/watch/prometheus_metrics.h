@@ -1,0 +1,18 @@
+#pragma once
+
+#include <prometheus/metric_family.h>
+
+#include <vector>
+
+#include "common/messages/messages.h"
+
+namespace metronome {
+
+/// What Prometheus is told of a learner: `metronome_...`, in base units, every series with the
+/// label `run`, those of an actor with `actor` (host:pid) and `host` too. Who is not in `status`
+/// has none. Pure.
+/// @param made_at  when `status` was made, Unix time in seconds.
+std::vector<prometheus::MetricFamily> PrometheusMetrics(const LearnerStatus& status,
+                                                        double made_at);
+
+}  // namespace metronome

@@ -1,0 +1,615 @@
+#include "common/checkpoint/checkpoint.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <numeric>
+#include <system_error>
+
+#include "common/config/config.h"
+#include "common/policy/network.h"
+#include "common/process/files.h"
+#include "common/process/sha256.h"
+#include "tests/unit/support/temporary_folder.h"
+
+namespace metronome {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A state whose every number differs from its neighbours and needs all its bits.
+Checkpoint SmallCheckpoint(std::uint64_t version = 7) {
+  Checkpoint checkpoint;
+  checkpoint.config.mutable_environment()->set_task("push");
+  SetField(checkpoint.config, "policy.hidden", "2");
+  SetField(checkpoint.config, "policy.heads", "2");
+  checkpoint.config = Resolve(checkpoint.config);
+  const NetworkShape shape = ShapeOf(checkpoint.config);
+  TrainState& state = checkpoint.state;
+  state.version = version;
+  state.steps = version * 8000;
+  state.parameters.resize(ParameterCount(shape));
+  std::iota(state.parameters.begin(), state.parameters.end(), 0.1F);
+  state.parameters[0] = std::numeric_limits<float>::denorm_min();
+  state.parameters[1] = -0.0F;
+  state.adam_m.assign(state.parameters.size(), 1.0F / 3);
+  state.adam_v.assign(state.parameters.size(), 1.0e-30F);
+  state.adam_steps = 560;
+  state.observation = {std::vector<double>(39, 1.0 / 3), std::vector<double>(39, 1e300), 56000};
+  state.reward_return = {{-0.1}, {std::numeric_limits<double>::denorm_min()}, 3};
+  state.previous_actor.assign(ActorLayout(shape).size, 0.7F);
+  state.previous_observation = {std::vector<double>(39, 2.0 / 3), std::vector<double>(39, 1),
+                                48000};
+  state.canonical_digest = "00ff";
+  state.episodes_used = version * 16;
+  checkpoint.engine = "mujoco-2.2.2";
+  checkpoint.build = "a build";
+  checkpoint.incarnation = 3;
+  checkpoint.logs = {1234, 5678, 90.5};
+  return checkpoint;
+}
+
+std::string ErrorOfDecoding(const std::string& bytes) {
+  try {
+    static_cast<void>(DecodeCheckpoint(bytes, "x.ckpt"));
+  } catch (const CheckpointError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// The bytes of a valid frame around the checkpoint with another format number.
+std::string WithFormat(const Checkpoint& checkpoint, std::uint32_t format) {
+  std::string bytes = EncodeCheckpoint(checkpoint);
+  std::memcpy(bytes.data() + 8, &format, sizeof(format));
+  const Sha256Digest digest = Sha256(bytes.substr(0, 20) + bytes.substr(52));
+  std::memcpy(bytes.data() + 20, digest.data(), digest.size());
+  return bytes;
+}
+
+TEST(Sha256Test, MatchesThePublishedVectors) {
+  EXPECT_EQ(Sha256Hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(Sha256Hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Sha256Test, WeightsAreHashedAsLittleEndianFloat32) {
+  const std::string bytes("\x00\x00\x80\x3f\x00\x00\x00\xc0", 8);  // 1, -2
+  EXPECT_EQ(WeightsSha256({1.0F, -2.0F}), Sha256Hex(bytes));
+  EXPECT_NE(WeightsSha256({0.0F}), WeightsSha256({-0.0F}));
+}
+
+TEST(CheckpointTest, EveryBitComesBack) {
+  const Checkpoint saved = SmallCheckpoint();
+  const Checkpoint loaded = DecodeCheckpoint(EncodeCheckpoint(saved), "x.ckpt");
+  EXPECT_EQ(loaded.state, saved.state);
+  EXPECT_EQ(WeightsSha256(loaded.state.parameters), WeightsSha256(saved.state.parameters));
+  EXPECT_EQ(loaded.config.SerializeAsString(), saved.config.SerializeAsString());
+  EXPECT_EQ(loaded.engine, saved.engine);
+  EXPECT_EQ(loaded.build, saved.build);
+  EXPECT_EQ(loaded.incarnation, saved.incarnation);
+  EXPECT_EQ(loaded.logs, saved.logs);
+  EXPECT_EQ(EncodeCheckpoint(loaded), EncodeCheckpoint(saved));
+}
+
+TEST(CheckpointTest, VersionZeroWithoutStatisticsComesBack) {
+  Checkpoint saved = SmallCheckpoint(0);
+  saved.state.observation = saved.state.reward_return = saved.state.previous_observation = {};
+  saved.state.previous_actor.clear();
+  EXPECT_EQ(DecodeCheckpoint(EncodeCheckpoint(saved), "x.ckpt").state, saved.state);
+}
+
+TEST(CheckpointTest, AChangeOfAnyByteIsFoundAndNamesTheFile) {
+  const std::string bytes = EncodeCheckpoint(SmallCheckpoint());
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    for (const int flip : {0x01, 0x80, 0xff}) {
+      std::string damaged = bytes;
+      damaged[i] = static_cast<char>(damaged[i] ^ flip);
+      ASSERT_TRUE(ErrorOfDecoding(damaged).starts_with("x.ckpt: ")) << "byte " << i;
+    }
+  }
+}
+
+TEST(CheckpointTest, EveryTruncationAndTrailingBytesAreFound) {
+  const std::string bytes = EncodeCheckpoint(SmallCheckpoint());
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    ASSERT_TRUE(ErrorOfDecoding(bytes.substr(0, size)).starts_with("x.ckpt: ")) << size;
+  }
+  EXPECT_NE(ErrorOfDecoding(bytes + '\0').find("damaged: it should hold"), std::string::npos);
+  EXPECT_NE(ErrorOfDecoding(bytes.substr(0, 100)).find("damaged: it should hold"),
+            std::string::npos);
+}
+
+TEST(CheckpointTest, AnotherFormatSaysWhich) {
+  EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), kCheckpointFormat)), "");
+  for (const std::uint32_t format : {0U, 9U}) {
+    EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), format)),
+              "x.ckpt: checkpoint format " + std::to_string(format) +
+                  ", this build reads formats 1 to 4; use a build that knows it");
+  }
+}
+
+void ExpectToGoOnAs(const Checkpoint& whole, const Checkpoint& old, std::uint32_t format) {
+  const Checkpoint loaded = DecodeCheckpoint(WithFormat(old, format), "x.ckpt");
+  EXPECT_EQ(loaded.state, whole.state);
+  EXPECT_NO_THROW(RequireShape(loaded, whole.config, "x.ckpt"));
+  EXPECT_TRUE(CompareForResume(loaded.config, whole.config, false).empty());
+  EXPECT_EQ(Resolve(loaded.config).SerializeAsString(), whole.config.SerializeAsString());
+}
+
+// Old files are without what their format did not know.
+TEST(CheckpointTest, AFileOfFormat3GoesOnWithTheOfficialReward) {
+  const Checkpoint whole = SmallCheckpoint();
+  Checkpoint old = whole;
+  old.config.mutable_ppo()->clear_success_reward();
+  ExpectToGoOnAs(whole, old, 3);
+}
+
+TEST(CheckpointTest, AFileOfFormat2GoesOnWithWhiteNoise) {
+  const Checkpoint whole = SmallCheckpoint();
+  Checkpoint old = whole;
+  old.config.mutable_ppo()->clear_success_reward();
+  old.config.mutable_policy()->clear_noise_correlation();
+  ExpectToGoOnAs(whole, old, 2);
+}
+
+TEST(CheckpointTest, AFileOfFormat1GoesOnAsBlocksWithSeparateCriticHeads) {
+  const Checkpoint whole = SmallCheckpoint();
+  Checkpoint old = whole;
+  old.config.mutable_policy()->clear_schedule();
+  old.config.mutable_policy()->clear_critic_heads();
+  old.config.mutable_policy()->clear_noise_correlation();
+  old.config.mutable_ppo()->clear_success_reward();
+  ExpectToGoOnAs(whole, old, 1);
+}
+
+TEST(CheckpointTest, SomethingElseAltogetherIsSaidToBe) {
+  EXPECT_NE(ErrorOfDecoding("").find("not a Metronome checkpoint"), std::string::npos);
+  EXPECT_NE(ErrorOfDecoding(std::string(1000, 'x')).find("not a Metronome checkpoint"),
+            std::string::npos);
+}
+
+TEST(CheckpointTest, StateThatDoesNotFitItsConfigurationIsRefused) {
+  Checkpoint checkpoint = SmallCheckpoint();
+  checkpoint.state.adam_v.pop_back();
+  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("Adam's second moment"),
+            std::string::npos);
+  checkpoint = SmallCheckpoint();
+  checkpoint.config.mutable_policy()->set_heads(3);
+  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("another shape: the network has"),
+            std::string::npos);
+  checkpoint = SmallCheckpoint();
+  checkpoint.state.observation.m2.pop_back();
+  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("observation statistics"),
+            std::string::npos);
+  checkpoint = SmallCheckpoint();
+  checkpoint.config.mutable_policy()->set_heads(0);
+  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("policy.heads is 0"),
+            std::string::npos);
+}
+
+TEST(CheckpointTest, AnotherNetworkShapeNamesBoth) {
+  const Checkpoint checkpoint = SmallCheckpoint();
+  EXPECT_NO_THROW(RequireShape(checkpoint, checkpoint.config, "x.ckpt"));
+  RunConfig other = checkpoint.config;
+  SetField(other, "policy.hidden", "2,4");
+  SetField(other, "policy.critic_heads", "shared");
+  try {
+    RequireShape(checkpoint, other, "x.ckpt");
+    FAIL();
+  } catch (const CheckpointError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "x.ckpt: another network shape: it holds 39 inputs, hidden 2, 2 heads of 4, 2 of the "
+        "critic; asked for is 39 inputs, hidden 2 4, 2 heads of 4, 1 of the critic");
+  }
+}
+
+TEST(CheckpointTest, UnreadableFilesAreNamed) {
+  for (const std::string path : {"no/such.ckpt", "."}) {
+    try {
+      static_cast<void>(LoadCheckpoint(path));
+      FAIL() << path;
+    } catch (const CheckpointError& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with("cannot read checkpoint " + path + ": "));
+    }
+  }
+}
+
+class CheckpointStoreTest : public TemporaryFolderTest {
+ protected:
+  [[nodiscard]] std::vector<std::string> Names() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  const std::string folder_ = root_ + "/checkpoints";
+};
+
+TEST_F(CheckpointStoreTest, AnEmptyFolderHasNoLatest) {
+  EXPECT_EQ(CheckpointStore(folder_, 5).Latest(), std::nullopt);
+}
+
+TEST_F(CheckpointStoreTest, SavesUnderTheVersionAndPointsLatestAtIt) {
+  CheckpointStore store(folder_, 5);
+  EXPECT_EQ(store.Save(SmallCheckpoint(123)), folder_ + "/000123.ckpt");
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000123.ckpt", "latest"}));
+  EXPECT_EQ(fs::read_symlink(folder_ + "/latest"), "000123.ckpt");
+  EXPECT_EQ(store.Latest(), folder_ + "/000123.ckpt");
+  EXPECT_EQ(LoadCheckpoint(folder_ + "/latest").state, SmallCheckpoint(123).state);
+}
+
+TEST_F(CheckpointStoreTest, PrunesToTheNewest) {
+  CheckpointStore store(folder_, 2);
+  for (std::uint64_t version = 999998; version <= 1000001; ++version) {
+    store.Save(SmallCheckpoint(version));
+  }
+  EXPECT_EQ(Names(), (std::vector<std::string>{"1000000.ckpt", "1000001.ckpt", "latest"}));
+}
+
+TEST_F(CheckpointStoreTest, KeepsMilestonesBesideTheNewest) {
+  CheckpointStore store(folder_, 2, 4);
+  for (std::uint64_t version = 3; version <= 11; ++version) store.Save(SmallCheckpoint(version));
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000004.ckpt", "000008.ckpt", "000010.ckpt",
+                                               "000011.ckpt", "latest"}));
+}
+
+TEST_F(CheckpointStoreTest, NeverPrunesWhatLatestNames) {
+  CheckpointStore store(folder_, 2);
+  for (std::uint64_t version = 5; version <= 6; ++version) store.Save(SmallCheckpoint(version));
+  store.Save(SmallCheckpoint(1));  // a run that was set back to an older checkpoint
+  EXPECT_EQ(store.Latest(), folder_ + "/000001.ckpt");
+  EXPECT_TRUE(fs::exists(folder_ + "/000001.ckpt"));
+}
+
+TEST_F(CheckpointStoreTest, WithoutTheLinkTheHighestVersionIsLatest) {
+  CheckpointStore store(folder_, 5);
+  store.Save(SmallCheckpoint(9));
+  store.Save(SmallCheckpoint(10));
+  fs::remove(folder_ + "/latest");
+  EXPECT_EQ(store.Latest(), folder_ + "/000010.ckpt");
+}
+
+TEST_F(CheckpointStoreTest, RemovesWhatAKilledWriterLeft) {
+  CheckpointStore(folder_, 5).Save(SmallCheckpoint(1));
+  std::ofstream(folder_ + "/000002.ckpt.tmp.4711") << "half";
+  EXPECT_EQ(CheckpointStore(folder_, 5).Latest(), folder_ + "/000001.ckpt");
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000001.ckpt", "latest"}));
+}
+
+TEST_F(CheckpointStoreTest, ARunThatWasSetBackKeepsWhatLiesAheadAndItsOwnNewest) {
+  CheckpointStore store(folder_, 2);
+  for (std::uint64_t version = 5; version <= 6; ++version) store.Save(SmallCheckpoint(version));
+  for (std::uint64_t version = 1; version <= 3; ++version) store.Save(SmallCheckpoint(version));
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000002.ckpt", "000003.ckpt", "000005.ckpt",
+                                               "000006.ckpt", "latest"}));
+}
+
+/// A folder with versions 1 to 4, `latest` naming the last.
+class NewestCheckpointTest : public CheckpointStoreTest {
+ protected:
+  NewestCheckpointTest() {
+    for (std::uint64_t version = 1; version <= 4; ++version) store_.Save(SmallCheckpoint(version));
+  }
+
+  [[nodiscard]] std::string Path(const std::string& name) const { return folder_ + "/" + name; }
+
+  void Write(const std::string& name, const std::string& content) const {
+    std::ofstream(Path(name), std::ios::binary | std::ios::trunc) << content;
+  }
+
+  void PointLatestAt(const std::string& target) const {
+    fs::remove_all(Path("latest"));
+    fs::create_symlink(target, Path("latest"));
+  }
+
+  /// Goes on from what is found. @return its version.
+  std::uint64_t GoOn() {
+    const auto found = FindNewestCheckpoint(folder_);
+    if (!found) return 0;
+    store_.GoOnFrom(*found);
+    passed_over_ = found->passed_over.size();
+    return found->checkpoint.state.version;
+  }
+
+  [[nodiscard]] std::string Refusal() const {
+    try {
+      static_cast<void>(FindNewestCheckpoint(folder_));
+    } catch (const CheckpointError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  CheckpointStore store_{folder_, 5};
+  std::size_t passed_over_ = 0;
+};
+
+TEST_F(NewestCheckpointTest, LatestIsObeyedAlsoWhereItNamesAnOlderOne) {
+  EXPECT_EQ(GoOn(), 4U);
+  PointLatestAt("000002.ckpt");
+  EXPECT_EQ(GoOn(), 2U);
+  EXPECT_EQ(passed_over_, 0U);
+  EXPECT_EQ(fs::read_symlink(Path("latest")), "000002.ckpt");
+}
+
+TEST_F(NewestCheckpointTest, ADamagedOneIsPutAsideAndTheOneBeforeItIsTaken) {
+  const std::string whole = ReadFile(Path("000004.ckpt"));
+  std::string flipped = whole;
+  flipped[whole.size() / 2] ^= 1;
+  for (const std::string& content : {std::string(), whole.substr(0, 20), whole.substr(0, 1000),
+                                     flipped, std::string(whole.size(), '\0')}) {
+    Write("000004.ckpt", content);
+    PointLatestAt("000004.ckpt");
+    EXPECT_EQ(GoOn(), 3U) << content.size();
+    EXPECT_EQ(passed_over_, 1U);
+    EXPECT_EQ(fs::read_symlink(Path("latest")), "000003.ckpt");
+    EXPECT_FALSE(fs::exists(Path("000004.ckpt")));
+    EXPECT_EQ(ReadFile(Path("000004.ckpt.damaged")), content);
+    fs::remove(Path("000004.ckpt.damaged"));
+  }
+}
+
+TEST_F(NewestCheckpointTest, ADamagedOneIsPutAsideHoweverLatestNamesIt) {
+  Write("000004.ckpt", "");
+  PointLatestAt(fs::absolute(folder_).string() + "/../checkpoints/000004.ckpt");
+  EXPECT_EQ(GoOn(), 3U);
+  EXPECT_TRUE(fs::exists(Path("000004.ckpt.damaged")));
+}
+
+TEST_F(NewestCheckpointTest, WhereLatestLeadsElsewhereTheFolderHasItsOwnOfThatVersion) {
+  fs::create_directory(root_ + "/elsewhere");
+  const std::string foreign = fs::absolute(root_).string() + "/elsewhere/000004.ckpt";
+  std::ofstream(foreign) << "damaged";
+  PointLatestAt(foreign);
+  EXPECT_EQ(GoOn(), 4U);
+  EXPECT_EQ(fs::read_symlink(Path("latest")), "000004.ckpt");
+  EXPECT_TRUE(fs::exists(foreign)) << "it is not ours";
+}
+
+TEST_F(NewestCheckpointTest, NothingThatWasPutAsideIsWrittenOver) {
+  for (const std::string content : {"one", "two"}) {
+    Write("000004.ckpt", content);
+    EXPECT_EQ(GoOn(), 3U);
+    PointLatestAt("000004.ckpt");
+  }
+  EXPECT_EQ(ReadFile(Path("000004.ckpt.damaged")), "one");
+  EXPECT_EQ(ReadFile(Path("000004.ckpt.2.damaged")), "two");
+}
+
+TEST_F(NewestCheckpointTest, PruningCountsGoodOnesAlone) {
+  for (const std::string name : {"000003.ckpt", "000004.ckpt"}) Write(name, "");
+  EXPECT_EQ(GoOn(), 2U);
+  CheckpointStore(folder_, 2).Save(SmallCheckpoint(3));
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000002.ckpt", "000003.ckpt", "000003.ckpt.damaged",
+                                               "000004.ckpt.damaged", "latest"}));
+}
+
+TEST_F(NewestCheckpointTest, ALinkThatLeadsNowhereGivesTheNewestUpToIt) {
+  fs::remove(Path("000003.ckpt"));
+  PointLatestAt("000003.ckpt");
+  EXPECT_EQ(GoOn(), 2U);
+  EXPECT_EQ(fs::read_symlink(Path("latest")), "000002.ckpt") << "evaluate finds it again";
+  for (const std::string target : {"000000.ckpt", "nowhere", "latest"}) {
+    PointLatestAt(target);
+    EXPECT_EQ(GoOn(), 4U) << target;
+    EXPECT_EQ(fs::read_symlink(Path("latest")), "000004.ckpt");
+  }
+}
+
+TEST_F(NewestCheckpointTest, WithoutTheLinkTheNewestIsTaken) {
+  fs::remove(Path("latest"));
+  EXPECT_EQ(GoOn(), 4U);
+  Write("000004.ckpt", "");
+  EXPECT_EQ(GoOn(), 3U);
+}
+
+TEST_F(NewestCheckpointTest, AFileInPlaceOfTheLinkIsACopyOfACheckpoint) {
+  fs::remove(Path("latest"));
+  fs::copy_file(Path("000003.ckpt"), Path("latest"));
+  EXPECT_EQ(GoOn(), 3U);
+  Write("latest", "000004.ckpt");  // as archives without links hold it
+  EXPECT_EQ(GoOn(), 4U);
+  EXPECT_EQ(fs::read_symlink(Path("latest")), "000004.ckpt");
+}
+
+TEST_F(NewestCheckpointTest, AFolderInPlaceOfTheLinkOrOfAFileIsPutAside) {
+  fs::remove(Path("latest"));
+  fs::create_directory(Path("latest"));
+  fs::remove(Path("000004.ckpt"));
+  fs::create_directory(Path("000004.ckpt"));
+  EXPECT_EQ(GoOn(), 3U);
+  store_.Save(SmallCheckpoint(4));
+  EXPECT_EQ(GoOn(), 4U);
+}
+
+TEST_F(NewestCheckpointTest, WhatIsNotOfTheRunIsNotMoved) {
+  const std::string elsewhere = root_ + "/copy.ckpt";
+  std::ofstream(elsewhere) << "no checkpoint";
+  PointLatestAt(elsewhere);
+  EXPECT_EQ(GoOn(), 4U);
+  EXPECT_TRUE(fs::exists(elsewhere));
+}
+
+TEST_F(NewestCheckpointTest, ANewerFormatIsNotPassedOverButNamedWithTheWayBack) {
+  Write("000004.ckpt", WithFormat(SmallCheckpoint(4), kCheckpointFormat + 1));
+  const std::string text = Refusal();
+  EXPECT_NE(text.find("000004.ckpt: checkpoint format 5, this build reads"), std::string::npos);
+  EXPECT_NE(text.find("ln -sfn 000003.ckpt '" + Path("latest") + "'"), std::string::npos) << text;
+}
+
+TEST_F(NewestCheckpointTest, WhatCannotBeReadIsNotTakenForDamaged) {
+  fs::remove(Path("000004.ckpt"));
+  fs::create_symlink("/proc/self/mem", Path("000004.ckpt"));  // reading it fails, whoever asks
+  EXPECT_THROW(FindNewestCheckpoint(folder_), CheckpointUnreadable);
+  EXPECT_NE(Refusal().find("Input/output error; or go back to"), std::string::npos) << Refusal();
+}
+
+TEST_F(NewestCheckpointTest, WithoutAWholeOneEachIsNamed) {
+  for (const std::string name : {"000001.ckpt", "000002.ckpt", "000003.ckpt", "000004.ckpt"}) {
+    Write(name, "");
+  }
+  const std::string text = Refusal();
+  for (const std::string word : {"000001.ckpt: ", "000004.ckpt: ", "another --run"}) {
+    EXPECT_NE(text.find(word), std::string::npos) << text;
+  }
+}
+
+TEST_F(NewestCheckpointTest, OnlyAFolderWithoutATraceOfOneHasNone) {
+  for (const std::string name : {"000001.ckpt", "000002.ckpt", "000003.ckpt", "000004.ckpt"}) {
+    fs::remove(Path(name));
+  }
+  EXPECT_NE(Refusal().find("000004.ckpt: missing"), std::string::npos) << Refusal();
+  fs::remove(Path("latest"));
+  EXPECT_EQ(FindNewestCheckpoint(folder_), std::nullopt);
+  Write("000004.ckpt.damaged", "");
+  EXPECT_NE(Refusal().find("000004.ckpt.damaged"), std::string::npos) << Refusal();
+  EXPECT_EQ(FindNewestCheckpoint(root_ + "/no such folder"), std::nullopt);
+}
+
+TEST_F(NewestCheckpointTest, ReadingWhatIsNotThereNamesWhatIs) {
+  PointLatestAt("000009.ckpt");
+  for (const std::string& path : {Path("latest"), Path("000009.ckpt"), root_}) {
+    try {
+      static_cast<void>(LoadCheckpoint(path));
+      FAIL() << path;
+    } catch (const CheckpointUnreadable& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("there are 000004.ckpt, 000003.ckpt"), std::string::npos) << text;
+      EXPECT_EQ(text.find("leads to 000009.ckpt") != std::string::npos, path == Path("latest"));
+    }
+  }
+  Write("000004.ckpt", "");
+  EXPECT_THROW(LoadCheckpoint(Path("000004.ckpt")), CheckpointDamaged);
+}
+
+/// Saves in a child in which no file may grow past 1000 bytes (the limit cannot be raised again).
+/// @return whether it failed with an error that names the file.
+bool SaveFailsOnAFullDisk(CheckpointStore& store, const Checkpoint& checkpoint,
+                          const std::string& file) {
+  const pid_t child = fork();
+  if (child == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      store.Save(checkpoint);
+    } catch (const std::system_error& error) {
+      const bool named = std::string(error.what()).find(file) != std::string::npos;
+      _exit(named && error.code() == std::errc::file_too_large ? 0 : 2);
+    }
+    _exit(1);
+  }
+  int status = -1;
+  return waitpid(child, &status, 0) == child && status == 0;
+}
+
+TEST_F(CheckpointStoreTest, AFullDiskLeavesTheOldCheckpointAndNoRest) {
+  CheckpointStore store(folder_, 5);
+  store.Save(SmallCheckpoint(1));
+  const std::string before = ReadFile(folder_ + "/latest");
+  EXPECT_TRUE(SaveFailsOnAFullDisk(store, SmallCheckpoint(2), "000002.ckpt"));
+  EXPECT_TRUE(SaveFailsOnAFullDisk(store, SmallCheckpoint(1), "000001.ckpt"));
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000001.ckpt", "latest"}));
+  EXPECT_EQ(ReadFile(folder_ + "/latest"), before);
+}
+
+TEST_F(CheckpointStoreTest, AFolderThatCannotBeWrittenLeavesTheOldCheckpoint) {
+  CheckpointStore store(folder_, 5);
+  store.Save(SmallCheckpoint(1));
+  fs::create_directory(folder_ + "/000002.ckpt");  // rename cannot replace a folder
+  EXPECT_THROW(store.Save(SmallCheckpoint(2)), std::system_error);
+  EXPECT_EQ(store.Latest(), folder_ + "/000001.ckpt");
+  EXPECT_EQ(Names(), (std::vector<std::string>{"000001.ckpt", "000002.ckpt", "latest"}));
+}
+
+class FilesTest : public TemporaryFolderTest {
+ protected:
+  /// What keeps the path from being written.
+  static std::string Refusal(const fs::path& path) {
+    try {
+      WriteFileAtomically(path, "new");
+    } catch (const std::system_error& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  const fs::path folder_ = root_;
+};
+
+TEST_F(FilesTest, WhatIsNoRegularFileIsNotReplaced) {
+  // As /dev/null and /dev/stdout are for root.
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const fs::path link = folder_ / "link";
+  fs::create_symlink("pipe", link);
+  for (const fs::path& path : {pipe, link, folder_}) {
+    EXPECT_NE(Refusal(path).find("cannot write " + path.string()), std::string::npos)
+        << Refusal(path);
+  }
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2) << "something is left over";
+}
+
+TEST_F(FilesTest, AProcessThatIsKilledAmidWritingLeavesTheOldContentAndNothingElse) {
+  const fs::path file = folder_ / "file";
+  for (const bool there : {false, true}) {
+    if (there) std::ofstream(file) << "old";
+    const pid_t child = fork();
+    if (child == 0) {
+      const rlimit limit{4096, 4096};  // the signal that tells of it ends the process
+      setrlimit(RLIMIT_FSIZE, &limit);
+      std::signal(SIGXFSZ, SIG_DFL);
+      WriteFileAtomically(file, std::string(8192, 'n'));
+      _exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status)) << status;
+    EXPECT_EQ(fs::exists(file) ? ReadFile(file) : "none", there ? "old" : "none");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), there ? 1 : 0);
+  }
+}
+
+TEST_F(FilesTest, AnOldFileIsReplaced) {
+  const fs::path file = folder_ / "file";
+  for (const char* content : {"first", "second"}) {
+    WriteFileAtomically(file, content);
+    EXPECT_EQ(ReadFile(file), content);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+  }
+}
+
+TEST_F(FilesTest, AFileIsWrittenThroughItsLink) {
+  const fs::path file = folder_ / "file";
+  const fs::path link = folder_ / "link";
+  std::ofstream(file) << "old";
+  fs::create_symlink("file", link);
+  WriteFileAtomically(link, "new");
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(ReadFile(file), "new");
+}
+
+TEST_F(FilesTest, ALinkThatLeadsNowhereIsReplaced) {
+  const fs::path link = folder_ / "link";
+  fs::create_symlink("nowhere", link);
+  WriteFileAtomically(link, "new");
+  EXPECT_EQ(ReadFile(link), "new");
+}
+
+}  // namespace
+}  // namespace metronome

@@ -1,0 +1,420 @@
+#include "learner/collect/audit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include "common/process/exit_codes.h"
+#include "tests/unit/support/fake_run.h"
+
+namespace metronome {
+namespace {
+
+using testing::FakeActor;
+using testing::FakeRun;
+using testing::milliseconds;
+using Names = std::vector<std::string>;
+
+Audit::Opinion Says(std::uint64_t actor, const std::string& host, float reward,
+                    std::uint64_t number = 7) {
+  Episode episode;
+  episode.number = number;
+  episode.reward = {reward};
+  return {actor, host, episode};
+}
+
+TEST(AuditTest, TheShareIsChosenByAKey) {
+  const Audit none({0, 1}), some({0.25, 1}), others({0.25, 2}), all({1, 1});
+  int chosen = 0, both = 0;
+  for (std::uint64_t number = 0; number < 4000; ++number) {
+    EXPECT_FALSE(none.IsChosen(number));
+    EXPECT_TRUE(all.IsChosen(number));
+    chosen += some.IsChosen(number) ? 1 : 0;
+    both += some.IsChosen(number) && others.IsChosen(number) ? 1 : 0;
+  }
+  EXPECT_NEAR(chosen, 1000, 100);
+  EXPECT_NEAR(both, 250, 60) << "the key does not matter";
+}
+
+TEST(AuditTest, TwoActorsThatAgreeSettleItWhereverTheyAre) {
+  Audit audit({1, 1});
+  EXPECT_FALSE(audit.Hear(Says(1, "a", 0.5F)).settled);
+  EXPECT_TRUE(audit.IsPending(7));
+  const auto verdict = audit.Hear(Says(2, "a", 0.5F));
+  ASSERT_TRUE(verdict.settled);
+  EXPECT_EQ(verdict.settled->actor_id, 1U);
+  EXPECT_EQ(verdict.vouchers, Names{"a"});
+  EXPECT_TRUE(verdict.guilty.empty());
+  EXPECT_FALSE(audit.IsPending(7));
+  EXPECT_EQ(audit.counts().agreed, 1U);
+  EXPECT_EQ(audit.counts().disputes, 0U);
+}
+
+// In every order of arrival, and by one bit: 0 is not -0.
+TEST(AuditTest, WhereHostsDifferTheOddOneIsGuilty) {
+  for (int odd = 0; odd < 3; ++odd) {
+    Audit audit({1, 1});
+    Audit::Verdict verdict;
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_FALSE(verdict.settled) << odd;
+      const std::string host(1, static_cast<char>('a' + i));
+      verdict = audit.Hear(Says(std::uint64_t(i), host, i == odd ? -0.0F : 0.0F));
+      // The first two agree where the third is odd: then it is not heard.
+      if (odd == 2 && i == 1) break;
+      EXPECT_EQ(verdict.disputed, i == 1) << odd;
+    }
+    ASSERT_TRUE(verdict.settled) << odd;
+    EXPECT_FALSE(std::signbit(verdict.settled->episode.reward[0])) << odd;
+    const Names guilty = odd == 2 ? Names{} : Names{std::string(1, static_cast<char>('a' + odd))};
+    EXPECT_EQ(verdict.guilty, guilty) << odd;
+    EXPECT_EQ(verdict.vouchers.size(), 2U) << odd;
+  }
+}
+
+TEST(AuditTest, AHostCannotOutvoteAnotherByMoreActors) {
+  Audit audit({1, 1});
+  audit.Hear(Says(1, "a", 0));
+  audit.Hear(Says(2, "b", 1));
+  const auto more = audit.Hear(Says(3, "b", 1));
+  EXPECT_FALSE(more.settled);
+  EXPECT_TRUE(more.disputed);
+  const auto verdict = audit.Hear(Says(4, "c", 0));
+  ASSERT_TRUE(verdict.settled);
+  EXPECT_EQ(verdict.guilty, Names{"b"});
+}
+
+TEST(AuditTest, AHostThatDiffersFromItselfIsGuiltyAndUnheard) {
+  Audit audit({1, 1});
+  audit.Hear(Says(1, "a", 0));
+  const auto verdict = audit.Hear(Says(2, "a", 1));
+  EXPECT_EQ(verdict.guilty, Names{"a"});
+  EXPECT_FALSE(verdict.settled);
+  EXPECT_FALSE(verdict.disputed);
+  EXPECT_FALSE(audit.IsPending(7));
+}
+
+TEST(AuditTest, ThreeAnswersNeedAFourth) {
+  Audit audit({1, 1});
+  audit.Hear(Says(1, "a", 0));
+  audit.Hear(Says(2, "b", 1));
+  EXPECT_TRUE(audit.Hear(Says(3, "c", 2)).disputed);
+  const auto verdict = audit.Hear(Says(4, "d", 1));
+  ASSERT_TRUE(verdict.settled);
+  EXPECT_EQ(verdict.settled->actor_id, 2U);
+  EXPECT_EQ(verdict.guilty, (Names{"a", "c"}));
+  EXPECT_EQ(audit.counts().disputes, 1U);
+}
+
+TEST(AuditTest, AloneAnOpinionStandsUnlessItIsDisputed) {
+  Audit audit({1, 1});
+  EXPECT_THROW(audit.SettleAlone(7), std::logic_error);
+  audit.Hear(Says(1, "a", 0));
+  EXPECT_EQ(audit.SettleAlone(7).actor_id, 1U);
+  EXPECT_EQ(audit.counts().alone, 1U);
+  audit.Hear(Says(1, "a", 0));
+  audit.Hear(Says(2, "b", 1));
+  EXPECT_THROW(audit.SettleAlone(7), std::logic_error);
+}
+
+TEST(AuditTest, WhatAHostSaidIsForgottenWithIt) {
+  Audit audit({1, 1});
+  audit.Hear(Says(1, "a", 0, 7));
+  audit.Hear(Says(1, "a", 0, 8));
+  audit.Hear(Says(2, "b", 1, 8));
+  EXPECT_EQ(audit.Forget("a"), std::vector<std::uint64_t>{7});
+  EXPECT_EQ(audit.Pending(), std::vector<std::uint64_t>{8});
+  EXPECT_FALSE(audit.IsDisputed(8));
+}
+
+// Whole runs.
+
+std::vector<EpisodeMessage> Lie(const EpisodeMessage& truth) {
+  EpisodeMessage lie = truth;
+  lie.episode.reward[0] += 1;
+  return {lie};
+}
+
+void ExpectAllTrue(const FakeRun& run, std::size_t numbers = 12) {
+  ASSERT_EQ(run.learning.learnt.size(), numbers);
+  for (std::size_t i = 0; i < numbers; ++i) {
+    EXPECT_EQ(run.learning.learnt[i], i);
+    EXPECT_EQ(run.learning.rewards[i], float(i)) << "a lie was learnt from";
+  }
+}
+
+std::map<std::uint64_t, std::set<std::uint64_t>> ActorsByNumber(const FakeRun& run) {
+  std::map<std::uint64_t, std::set<std::uint64_t>> actors;
+  for (const EpisodeOrder& order : run.bus.orders) {
+    for (const std::uint64_t number : order.numbers) actors[number].insert(order.actor_id);
+  }
+  return actors;
+}
+
+TEST(AuditedRunTest, EachEpisodeIsPlayedByTwoActorsAndLearntOnce) {
+  FakeRun run;
+  run.setup.rules.audit = {1, 1};
+  for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+  const auto actors = ActorsByNumber(run);
+  EXPECT_EQ(actors.size(), 12U);
+  for (const auto& [number, by] : actors) EXPECT_EQ(by.size(), 2U) << number;
+}
+
+TEST(AuditedRunTest, AnotherHostIsPreferredToAnotherActor) {
+  FakeRun run;
+  run.setup.rules.audit = {1, 1};
+  for (const std::uint64_t id : {1, 2, 3, 4}) {
+    run.AddActor(id).status.host = id == 4 ? "far" : "near";
+  }
+  EXPECT_EQ(run.Run(), kExitFinished);
+  for (const auto& [number, by] : ActorsByNumber(run)) EXPECT_TRUE(by.contains(4)) << number;
+}
+
+TEST(AuditedRunTest, ALoneActorIsBelievedAndARunGoesOnWhenTheOtherSaysNothing) {
+  for (const bool second : {false, true}) {
+    FakeRun run;
+    run.setup.rules.audit = {1, 1};
+    run.AddActor(1);
+    if (second)
+      run.AddActor(2).answer = [](const EpisodeMessage&) { return std::vector<EpisodeMessage>{}; };
+    EXPECT_EQ(run.Run(), kExitFinished);
+    ExpectAllTrue(run);
+    EXPECT_LT(run.bus.now() - Clock::time_point(std::chrono::hours(1)), std::chrono::seconds(40));
+  }
+}
+
+TEST(AuditedRunTest, WhoComesWithinSecondsIsWaitedFor) {
+  FakeRun run;
+  run.setup.rules.audit = {1, 1};
+  run.AddActor(1).answer = Lie;
+  for (const std::uint64_t id : {2, 3}) {
+    FakeActor& late = run.AddActor(id);
+    late.status.incarnation = 0;  // not yet
+    ActorStatus comes = late.status;
+    comes.incarnation = FakeRun::kIncarnation;
+    run.bus.After(std::chrono::seconds(4), comes);
+  }
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+}
+
+TEST(AuditedRunTest, AHostThatLiesIsNamedAndRefusedAndNothingOfItIsLearnt) {
+  FakeRun run;
+  run.setup.rules.audit = {1, 1};
+  for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
+  run.AddActor(12).status.host = "host2";  // another one of the liar's host
+  run.actors.at(2).answer = Lie;
+  run.actors.at(12).answer = Lie;
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+  for (const std::uint64_t liar : {2, 12}) {
+    EXPECT_NE(run.actors.at(liar).refused.find("host host2 computes wrongly"), std::string::npos);
+  }
+  for (const std::uint64_t honest : {1, 3}) EXPECT_EQ(run.actors.at(honest).refused, "");
+}
+
+// Its other episodes of the batch are played again, though they were accepted.
+TEST(AuditedRunTest, WhatAGuiltyHostBroughtBeforeIsTakenBack) {
+  FakeRun run;
+  run.setup.rules.episodes_per_update = 12;
+  run.setup.rules.updates_total = 1;
+  std::uint64_t key = 0;
+  const auto chosen = [&](std::uint64_t number) { return Audit({0.1, key}).IsChosen(number); };
+  const auto count = [&] {
+    int all = 0;
+    for (std::uint64_t number = 0; number < 12; ++number) all += chosen(number) ? 1 : 0;
+    return all;
+  };
+  while (!(count() == 1 && chosen(9))) ++key;  // the liar's lies before it are not audited
+  run.setup.rules.audit = {0.1, key};
+  for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id).answer = Lie;
+  for (const std::uint64_t id : {11, 12, 13}) run.AddActor(id).duration = milliseconds(500);
+  for (const std::uint64_t id : {1, 2, 3}) run.actors.at(id).status.host = "liar";
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+}
+
+TEST(AuditedRunTest, WhereTwoHostsDifferTheRunWaitsForAThird) {
+  FakeRun run;
+  run.setup.rules.audit = {1, 1};
+  run.AddActor(1);
+  run.AddActor(2).answer = Lie;
+  run.AddActor(22).status.host = "host2";  // cannot decide it
+  run.actors.at(22).answer = Lie;
+  FakeActor& third = run.AddActor(3);
+  third.status.incarnation = 0;  // not yet
+  ActorStatus comes = third.status;
+  comes.incarnation = FakeRun::kIncarnation;
+  run.bus.After(std::chrono::seconds(60), comes);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_GT(run.bus.now() - Clock::time_point(std::chrono::hours(1)), std::chrono::seconds(60));
+  ExpectAllTrue(run);
+  EXPECT_NE(run.actors.at(2).refused, "");
+  EXPECT_EQ(run.actors.at(1).refused, "");
+}
+
+// Two answers to one order, of which the check can tell neither, and no audit was due.
+TEST(AuditedRunTest, WhatComesTwiceAndDiffersIsPlayedAgainByTwoHosts) {
+  FakeRun run;
+  run.setup.rules.audit = {1e-9, 1};
+  for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
+  run.actors.at(2).answer = [](const EpisodeMessage& truth) {
+    std::vector<EpisodeMessage> both = Lie(truth);
+    both.push_back(truth);
+    return both;
+  };
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+  EXPECT_EQ(run.record.excluded.size(), 1U);
+  EXPECT_TRUE(run.record.excluded.contains("host2"));
+}
+
+TEST(AuditedRunTest, AnExclusionOutlivesTheLearner) {
+  FakeRun first;
+  first.setup.rules.audit = {1, 1};
+  for (const std::uint64_t id : {1, 2, 3}) first.AddActor(id);
+  first.actors.at(2).answer = Lie;
+  EXPECT_EQ(first.Run(), kExitFinished);
+  ASSERT_TRUE(first.record.excluded.contains("host2"));
+
+  FakeRun second;
+  second.setup.excluded = first.record.excluded;
+  second.AddActor(1);
+  second.AddActor(2).answer = Lie;
+  EXPECT_EQ(second.Run(), kExitFinished);
+  ExpectAllTrue(second);
+  EXPECT_NE(second.actors.at(2).refused.find("host host2 computes wrongly"), std::string::npos);
+  EXPECT_TRUE(second.record.excluded.empty()) << "written without need";
+}
+
+TEST(AuditedRunTest, AHostIsExcludedForGood) {
+  FakeRun run;
+  run.setup.rules.audit = {1, 1};
+  run.setup.rules.updates_total = 10;
+  for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
+  run.actors.at(2).answer = Lie;
+  FakeActor& back = run.AddActor(99);
+  back.status.host = "host2";
+  back.status.incarnation = 0;
+  ActorStatus comes = back.status;
+  comes.incarnation = FakeRun::kIncarnation;
+  run.bus.After(std::chrono::seconds(5), comes);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_NE(back.refused, "");
+  ExpectAllTrue(run, 40);
+}
+
+/// A key by which `only` is the one of `numbers` that is audited.
+std::uint64_t KeyThatChooses(double share, std::uint64_t only, std::uint64_t numbers) {
+  for (std::uint64_t key = 0;; ++key) {
+    const Audit audit({share, key});
+    bool found = true;
+    for (std::uint64_t number = 0; number < numbers && found; ++number) {
+      found = audit.IsChosen(number) == (number == only);
+    }
+    if (found) return key;
+  }
+}
+
+/// When `refused` is turned away, all that `late` was ever asked for arrives, spoilt: it was under
+/// way.
+void SendLateWhenRefused(FakeRun& run, std::uint64_t refused, std::uint64_t late) {
+  run.bus.on_order = [&run, refused, late, obey = run.bus.on_order](const EpisodeOrder& order) {
+    if (order.kind == EpisodeOrder::Kind::kRefuse && order.actor_id == refused) {
+      const std::vector<EpisodeOrder> sent = run.bus.orders;
+      for (const EpisodeOrder& old : sent) {
+        if (old.actor_id != late) continue;
+        for (const std::uint64_t number : old.numbers) {
+          const auto truth = FakeRun::MakeEpisode(number, old.weights_version);
+          run.bus.After(milliseconds(0), Lie({FakeRun::kIncarnation, late, truth}).front());
+        }
+      }
+    }
+    return obey(order);
+  };
+}
+
+/// Nothing that came late from the refused one's side entered.
+void RunToTheTruthThoughRefused(FakeRun& run, std::uint64_t refused) {
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+  EXPECT_NE(run.actors.at(refused).refused, "");
+  EXPECT_GT(run.bus.statuses.back().rejected, 0U) << "nothing came late: the test tests nothing";
+}
+
+/// One update of 12 episodes.
+void AuditOnlyNumber2(FakeRun& run) {
+  run.setup.rules.episodes_per_update = 12;
+  run.setup.rules.updates_total = 1;
+  run.setup.rules.audit = {0.1, KeyThatChooses(0.1, 2, 12)};
+}
+
+std::vector<EpisodeMessage> LieOnlyOn2(const EpisodeMessage& truth) {
+  return truth.episode.number == 2 ? Lie(truth) : std::vector<EpisodeMessage>{};
+}
+
+// Nobody audits its other episodes, so nothing but its exclusion keeps them out.
+TEST(AuditedRunTest, WhatAnExcludedHostHasUnderWayIsNotLearntFrom) {
+  FakeRun run;
+  AuditOnlyNumber2(run);
+  run.AddActor(1);
+  run.AddActor(2, 8).answer = LieOnlyOn2;
+  run.AddActor(3);
+  SendLateWhenRefused(run, 2, 2);
+  RunToTheTruthThoughRefused(run, 2);
+}
+
+// The lost actor cannot be refused, but it may not be dead: its link may have been.
+TEST(AuditedRunTest, WhatALostActorOfAnExcludedHostHasUnderWayIsNotLearntFrom) {
+  FakeRun run;
+  AuditOnlyNumber2(run);
+  run.AddActor(1).duration = milliseconds(500);
+  run.AddActor(2, 2).answer = LieOnlyOn2;
+  FakeActor& lost = run.AddActor(22, 4);
+  lost.status.host = "host2";
+  lost.answer = [](const EpisodeMessage&) { return std::vector<EpisodeMessage>{}; };
+  run.AddActor(3).duration = milliseconds(500);  // so that much of the lost one is still missing
+  run.bus.CallAfter(milliseconds(350), [&run] { run.Kill(22); });
+  SendLateWhenRefused(run, 2, 22);
+  RunToTheTruthThoughRefused(run, 2);
+}
+
+// Else the opinion of a host that is excluded already would dispute that of the only one left.
+TEST(AuditedRunTest, WhatAnExcludedHostSaysLateDoesNotHoldTheRunUp) {
+  FakeRun run;
+  run.setup.rules.audit = {1, 1};
+  for (const std::uint64_t id : {2, 22}) run.AddActor(id, 4).status.host = "host2";
+  run.actors.at(22).answer = Lie;
+  SendLateWhenRefused(run, 22, 22);
+  FakeActor& honest = run.AddActor(1);
+  honest.status.incarnation = 0;  // not yet
+  ActorStatus comes = honest.status;
+  comes.incarnation = FakeRun::kIncarnation;
+  run.bus.After(std::chrono::seconds(4), comes);
+  RunToTheTruthThoughRefused(run, 22);
+}
+
+// The other one was asked before it was lost, and its answer comes in the very moment in which
+// waiting for it ends.
+TEST(AuditedRunTest, AnAnswerInTheMomentInWhichAnotherWouldStandAloneIsHeardOnce) {
+  FakeRun run;
+  run.setup.rules.episodes_per_update = 1;
+  run.setup.rules.updates_total = 1;
+  run.setup.rules.audit = {1, 1};
+  run.AddActor(1);
+  run.AddActor(2).answer = [&run](const EpisodeMessage& truth) {
+    run.bus.After(milliseconds(0), ActorLost{2});
+    run.bus.After(std::chrono::seconds(5), truth);
+    return std::vector<EpisodeMessage>{};
+  };
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run, 1);
+  EXPECT_EQ(run.bus.statuses.back().accepted, 1U);
+}
+
+}  // namespace
+}  // namespace metronome

@@ -1,0 +1,218 @@
+#include "common/policy/policy.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/numbers/random.h"
+#include "common/policy/snapshot.h"
+#include "learner/ppo/trainer.h"
+#include "tests/unit/support/double_network.h"
+#include "tests/unit/support/synthetic_run.h"
+
+namespace metronome {
+namespace {
+
+using testing::SmallConfig;
+
+// The network in double, from its definition: tanh layers, then the rows of one head.
+std::vector<double> MeanByDefinition(const RunConfig& config, const PolicySnapshot& snapshot,
+                                     const std::vector<float>& observation, int t, int head) {
+  const NetworkShape shape = ShapeOf(config);
+  std::vector<double> x;
+  for (int i = 0; i < shape.observation; ++i) {
+    const double z =
+        (observation[i] - snapshot.observation_mean[i]) * double{snapshot.observation_inv_std[i]};
+    x.push_back(std::fmax(-10, std::fmin(10, z)));
+  }
+  const int horizon = config.environment().horizon();
+  if (shape.time_feature) x.push_back(2.0 * t / horizon - 1);
+  return testing::Forward(snapshot.parameters, ActorLayout(shape), x, head);
+}
+
+PolicySnapshot RandomSnapshot(const RunConfig& config) {
+  PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+  RandomStream random(RandomPurpose::kEvaluate, 1, 2, 3);
+  for (float& parameter : snapshot.parameters) parameter += 0.2F * float(random.Normal());
+  for (float& mean : snapshot.observation_mean) mean = float(random.Normal());
+  for (float& inv_std : snapshot.observation_inv_std) inv_std = float(0.5 + random.Uniform());
+  return snapshot;
+}
+
+/// The head of step t in episode 6 of SmallConfig (T = 40, k = 3 or 1, seed 5), by definition.
+int HeadByDefinition(const RunConfig& config, int t) {
+  const int heads = config.policy().heads();
+  if (config.policy().schedule() == SCHEDULE_INTERLEAVED) return t % heads;
+  const int block = t * heads / 40;
+  if (config.policy().schedule() == SCHEDULE_BLOCKS) return block;
+  return int(
+      Permutation(std::uint32_t(heads), {RandomPurpose::kHeadOrder, 5, 6, 1 /* kTrain */})[block]);
+}
+
+HeadSchedule ScheduleOfSix(const RunConfig& config) { return {config, TrainingEpisode(config, 6)}; }
+
+class PolicyTest : public ::testing::TestWithParam<std::pair<Method, Schedule>> {
+ protected:
+  static RunConfig Config() {
+    RunConfig config = SmallConfig(GetParam().first);
+    config.mutable_policy()->set_schedule(GetParam().second);
+    return config;
+  }
+};
+
+TEST_P(PolicyTest, MeanAgreesWithTheNetworksDefinitionAtEveryStep) {
+  const RunConfig config = Config();
+  const HeadSchedule schedule = ScheduleOfSix(config);
+  const PolicySnapshot snapshot = RandomSnapshot(config);
+  Policy policy(config, snapshot);
+  RandomStream random(RandomPurpose::kEvaluate, 4, 5, 6);
+  for (int t = 0; t < config.environment().horizon(); ++t) {
+    std::vector<float> observation(kObservationSize);
+    for (float& value : observation) value = float(3 * random.Normal());
+    const auto mean = policy.Mean(schedule, observation.data(), t);
+    const auto want =
+        MeanByDefinition(config, snapshot, observation, t, HeadByDefinition(config, t));
+    for (int i = 0; i < 4; ++i) ASSERT_NEAR(mean[i], want[i], 1e-5) << "t=" << t;
+  }
+}
+
+TEST_P(PolicyTest, SeveralStepsTogetherGiveTheBitsOfEachAlone) {
+  const RunConfig config = Config();
+  const HeadSchedule schedule = ScheduleOfSix(config);
+  Policy policy(config, RandomSnapshot(config));
+  RandomStream random(RandomPurpose::kEvaluate, 4, 5, 7);
+  std::vector<float> observations(Policy::kStates * kObservationSize);
+  for (int t = 0; t + Policy::kStates <= config.environment().horizon(); ++t) {
+    for (float& value : observations) value = float(3 * random.Normal());
+    const auto means = policy.Means(schedule, observations.data(), t);
+    for (int i = 0; i < Policy::kStates; ++i) {
+      EXPECT_EQ(means[i], policy.Mean(schedule, observations.data() + i * kObservationSize, t + i));
+    }
+  }
+}
+
+TEST_P(PolicyTest, TheLogProbabilityIsTheUnclippedActionsDensity) {
+  const RunConfig config = Config();
+  const HeadSchedule schedule = ScheduleOfSix(config);
+  const PolicySnapshot snapshot = RandomSnapshot(config);
+  Policy policy(config, snapshot);
+  const std::vector<float> observation(kObservationSize, 0.4F);
+  const std::size_t log_std = ActorLayout(ShapeOf(config)).log_std;
+  for (const int t : {0, 20, 39}) {
+    const Policy::Decision decision =
+        policy.Act(schedule, observation.data(), t, {0.5F, -1.0F, 2.0F, 0.1F});
+    EXPECT_EQ(decision.head, HeadByDefinition(config, t));
+    double want = 0;
+    for (int i = 0; i < 4; ++i) {
+      const double s = snapshot.parameters[log_std + decision.head * 4 + i];
+      const double z = (double{decision.action[i]} - decision.mean[i]) / std::exp(s);
+      want += -0.5 * z * z - s - 0.5 * std::log(2 * M_PI);
+    }
+    EXPECT_NEAR(decision.log_prob, want, 1e-5);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(MethodsAndSchedules, PolicyTest,
+                         ::testing::Values(std::pair{MULTIHEAD, SCHEDULE_BLOCKS},
+                                           std::pair{MULTIHEAD, SCHEDULE_INTERLEAVED},
+                                           std::pair{MULTIHEAD, SCHEDULE_SHUFFLED},
+                                           std::pair{PPO, SCHEDULE_BLOCKS},
+                                           std::pair{PPO_TIME, SCHEDULE_BLOCKS},
+                                           std::pair{PPO_TIME, SCHEDULE_SHUFFLED}));
+
+TEST(PolicyTest, ActingTwiceOrAfterOtherStatesGivesEqualBits) {
+  const RunConfig config = SmallConfig();
+  const PolicySnapshot snapshot = RandomSnapshot(config);
+  Policy fresh(config, snapshot);
+  Policy used(config, snapshot);
+  const std::vector<float> other(kObservationSize, -1.0F);
+  const std::vector<float> observation(kObservationSize, 0.7F);
+  const HeadSchedule schedule = ScheduleOfSix(config);
+  for (int t = 0; t < 40; ++t) (void)used.Act(schedule, other.data(), t, {1, 1, 1, 1});
+  const auto a = fresh.Act(schedule, observation.data(), 17, {0.5F, -1.0F, 2.0F, 0.1F});
+  const auto b = used.Act(schedule, observation.data(), 17, {0.5F, -1.0F, 2.0F, 0.1F});
+  EXPECT_EQ(a.action, b.action);
+  EXPECT_EQ(a.log_prob, b.log_prob);
+}
+
+TEST(PolicyTest, RefusesASnapshotOfAnotherShape) {
+  PolicySnapshot snapshot = RandomSnapshot(SmallConfig());
+  snapshot.parameters.pop_back();
+  EXPECT_THROW(Policy(SmallConfig(), snapshot), std::invalid_argument);
+}
+
+/// The decision of step 0 on observations of `observed` each.
+Policy::Decision DecideOn(const RunConfig& config, const PolicySnapshot& snapshot, float observed) {
+  Policy policy(config, snapshot);
+  const HeadSchedule schedule(config, TrainingEpisode(config, 0));
+  const std::vector<float> observation(kObservationSize, observed);
+  return policy.Act(schedule, observation.data(), 0, {8.5F, -8.5F, 0.5F, 0.0F});
+}
+
+TEST(SnapshotDefectTest, WhatIsLargeAndAcceptedStillActsFinitely) {
+  const RunConfig config = SmallConfig();
+  const std::size_t log_std = ActorLayout(ShapeOf(config)).log_std;
+  for (const float largest : {1e20F, -1e20F}) {
+    for (const float log_std_value : {46.0F, -46.0F}) {
+      PolicySnapshot snapshot = RandomSnapshot(config);
+      std::fill(snapshot.parameters.begin(), snapshot.parameters.end(), largest);
+      std::fill(snapshot.parameters.begin() + std::ptrdiff_t(log_std), snapshot.parameters.end(),
+                log_std_value);
+      std::fill(snapshot.observation_inv_std.begin(), snapshot.observation_inv_std.end(), 1e20F);
+      EXPECT_EQ(SnapshotDefect(snapshot, config), std::nullopt);
+      const Policy::Decision decision = DecideOn(config, snapshot, 3.0F);
+      for (const float component : decision.action) EXPECT_TRUE(std::isfinite(component));
+      EXPECT_TRUE(std::isfinite(decision.log_prob));
+    }
+  }
+}
+
+TEST(SnapshotDefectTest, NamesWhatNoActorCanActWith) {
+  const RunConfig config = SmallConfig();
+  const auto defect = [&config](const auto& spoil) {
+    PolicySnapshot snapshot = RandomSnapshot(config);
+    spoil(snapshot);
+    return SnapshotDefect(snapshot, config).value_or("none");
+  };
+  const float infinity = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(defect([](PolicySnapshot&) {}), "none");
+  EXPECT_NE(defect([](PolicySnapshot& s) { s.parameters.pop_back(); }).find("parameters"),
+            std::string::npos);
+  EXPECT_NE(defect([](PolicySnapshot& s) { s.observation_mean.pop_back(); }).find("statistics"),
+            std::string::npos);
+  for (const float value : {2e20F, -3e38F, infinity, std::nanf("")}) {
+    EXPECT_TRUE(defect([&](PolicySnapshot& s) {
+                  s.parameters.front() = value;
+                }).starts_with("a parameter is "))
+        << value;
+    EXPECT_TRUE(defect([&](PolicySnapshot& s) {
+                  s.observation_inv_std[3] = value;
+                }).starts_with("an observation statistic is "))
+        << value;
+  }
+  for (const float value : {46.5F, 88.0F, -46.5F, -infinity, std::nanf("")}) {
+    EXPECT_TRUE(defect([&](PolicySnapshot& s) {
+                  s.parameters.back() = value;
+                }).starts_with("a log-std is "))
+        << value;
+  }
+}
+
+TEST(PolicyTest, RefusesAScheduleOfAnotherNumberOfHeads) {
+  Policy policy(SmallConfig(), RandomSnapshot(SmallConfig()));
+  const HeadSchedule four = ScheduleOfSix(SmallConfig(MULTIHEAD, 4));
+  const std::vector<float> observation(Policy::kStates * kObservationSize, 0.4F);
+  EXPECT_THROW((void)policy.Mean(four, observation.data(), 0), std::invalid_argument);
+  EXPECT_THROW((void)policy.Means(four, observation.data(), 0), std::invalid_argument);
+  EXPECT_THROW((void)policy.ActAround(four, {}, 0, {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace metronome

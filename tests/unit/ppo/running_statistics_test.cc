@@ -1,0 +1,48 @@
+#include "learner/ppo/running_statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+namespace metronome {
+namespace {
+
+TEST(RunningStatisticsTest, MergingInPartsEqualsTheMomentsOfTheWhole) {
+  const std::vector<float> values = {1, 10, 4, 20, -2, 35, 8, 5, 7, -100};  // five rows of two
+  RunningStatistics statistics;
+  Merge(statistics, values.data(), 2, 2, 2);
+  Merge(statistics, values.data() + 4, 3, 2, 2);
+  EXPECT_EQ(statistics.count, 5);
+  EXPECT_NEAR(statistics.mean[0], 18.0 / 5, 1e-12);
+  EXPECT_NEAR(statistics.mean[1], -30.0 / 5, 1e-12);
+  // Variances by hand: E[x^2] - mean^2.
+  EXPECT_NEAR(StandardDeviation(statistics, 0), std::sqrt(134.0 / 5 - 3.6 * 3.6), 1e-12);
+  EXPECT_NEAR(StandardDeviation(statistics, 1), std::sqrt(11750.0 / 5 - 36.0), 1e-12);
+}
+
+TEST(RunningStatisticsTest, TheStrideSkipsWhatLiesBetween) {
+  const std::vector<float> values = {1, 99, 3, 99};
+  RunningStatistics statistics;
+  Merge(statistics, values.data(), 2, 1, 2);
+  EXPECT_EQ(statistics.mean[0], 2);
+}
+
+TEST(RunningStatisticsTest, AConstantDimensionHasNoSpreadAtAll) {
+  const std::vector<float> values(1000, 0.1F);
+  RunningStatistics statistics;
+  for (int i = 0; i < 5; ++i) Merge(statistics, values.data(), values.size(), 1, 1);
+  EXPECT_LT(StandardDeviation(statistics, 0), 1e-12);
+}
+
+TEST(RunningStatisticsTest, EmptyStatisticsHaveUnitSpreadAndRefuseAnotherDimension) {
+  RunningStatistics statistics;
+  EXPECT_EQ(StandardDeviation(statistics, 0), 1);
+  const std::vector<float> values(6, 1.0F);
+  Merge(statistics, values.data(), 3, 2, 2);
+  EXPECT_THROW(Merge(statistics, values.data(), 2, 3, 3), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace metronome

@@ -1,0 +1,349 @@
+#include "learner/ppo/trainer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "learner/ppo/episode_check.h"
+#include "tests/unit/support/synthetic_run.h"
+
+namespace metronome {
+namespace {
+
+using testing::SmallConfig;
+using testing::SyntheticBatch;
+
+TrainState TrainFor(const RunConfig& config, int updates, int threads) {
+  Trainer trainer(config, Trainer::InitialState(config), threads);
+  for (int i = 0; i < updates; ++i) {
+    const TrainState& state = trainer.state();
+    const bool lags = config.collection().overlap() > 0 && state.version > 0;
+    const PolicySnapshot snapshot =
+        lags ? PreviousSnapshotOf(state, config) : SnapshotOf(state, config);
+    trainer.Update(SyntheticBatch(config, snapshot, state.version));
+  }
+  return trainer.state();
+}
+
+class TrainerBitsTest : public ::testing::TestWithParam<std::tuple<int, Schedule, CriticHeads>> {
+ protected:
+  static int Overlap() { return std::get<0>(GetParam()); }
+  static RunConfig Config() {
+    RunConfig config = SmallConfig(MULTIHEAD, 3, Overlap());
+    config.mutable_policy()->set_schedule(std::get<1>(GetParam()));
+    config.mutable_policy()->set_critic_heads(std::get<2>(GetParam()));
+    return config;
+  }
+};
+
+TEST_P(TrainerBitsTest, AnyNumberOfThreadsGivesTheSameState) {
+  const RunConfig config = Config();
+  const TrainState one = TrainFor(config, 3, 1);
+  EXPECT_EQ(TrainFor(config, 3, 2), one);
+  EXPECT_EQ(TrainFor(config, 3, 5), one);
+}
+
+TEST_P(TrainerBitsTest, ARestoredStateGoesOnAsIfNothingHadHappened) {
+  const RunConfig config = Config();
+  const TrainState half = TrainFor(config, 2, 2);
+  Trainer resumed(config, half, 2);
+  const PolicySnapshot snapshot =
+      Overlap() > 0 ? PreviousSnapshotOf(half, config) : SnapshotOf(half, config);
+  resumed.Update(SyntheticBatch(config, snapshot, 2));
+  EXPECT_EQ(resumed.state(), TrainFor(config, 3, 2));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    OverlapAndArms, TrainerBitsTest,
+    ::testing::Combine(::testing::Values(0, 1),
+                       ::testing::Values(SCHEDULE_BLOCKS, SCHEDULE_INTERLEAVED, SCHEDULE_SHUFFLED),
+                       ::testing::Values(CRITIC_HEADS_SEPARATE, CRITIC_HEADS_SHARED)));
+
+TEST(TrainerTest, LearnsWhatTheRewardAsksFor) {
+  RunConfig config = SmallConfig();
+  config.set_total_steps(40 * 400);
+  config.mutable_ppo()->set_learning_rate(3e-3);
+  config.mutable_ppo()->set_entropy_coefficient(0);
+  config.mutable_ppo()->set_discount(0);  // each reward is its own action's doing
+  Trainer trainer(config, Trainer::InitialState(config), 2);
+  std::vector<double> returns;
+  for (int i = 0; i < 40; ++i) {
+    const PolicySnapshot snapshot = SnapshotOf(trainer.state(), config);
+    returns.push_back(
+        trainer.Update(SyntheticBatch(config, snapshot, trainer.state().version)).mean_return);
+  }
+  // 1 / (1 + |a|^2) over 40 steps: the only way up is to act less and spread less.
+  EXPECT_GT(returns.back(), returns.front() + 5);
+}
+
+TEST(TrainerTest, LearnsFromTheRewardOfSuccessAndReportsWithoutIt) {
+  const RunConfig config = SmallConfig();
+  RunConfig rewarded = config;
+  rewarded.mutable_ppo()->set_success_reward(10);
+  Trainer by_setting(rewarded, Trainer::InitialState(rewarded), 1);
+  Trainer by_hand(config, Trainer::InitialState(config), 1);
+  std::vector<Episode> episodes = SyntheticBatch(config, SnapshotOf(by_hand.state(), config), 0);
+  const UpdateReport report = by_setting.Update(episodes);
+  const double official =
+      Trainer(config, Trainer::InitialState(config), 1).Update(episodes).mean_return;
+  for (const int number : {0, 3, 6, 9}) episodes[std::size_t(number)].reward[5] += 10;
+  const UpdateReport report_by_hand = by_hand.Update(episodes);
+  EXPECT_EQ(by_setting.state(), by_hand.state());
+  EXPECT_DOUBLE_EQ(report.reward_scale, report_by_hand.reward_scale);
+  EXPECT_DOUBLE_EQ(report.mean_return, official);
+  EXPECT_NEAR(report_by_hand.mean_return, official + 4, 1e-5);
+}
+
+TEST(TrainerTest, CountsVersionsStepsAndEpisodes) {
+  const RunConfig config = SmallConfig();
+  Trainer trainer(config, Trainer::InitialState(config), 1);
+  const PolicySnapshot snapshot = SnapshotOf(trainer.state(), config);
+  const UpdateReport report = trainer.Update(SyntheticBatch(config, snapshot, 0));
+  EXPECT_EQ(report.version, 1U);
+  EXPECT_EQ(report.steps, 400U);
+  EXPECT_EQ(report.episodes, 10U);
+  EXPECT_DOUBLE_EQ(report.success, 0.4);  // episodes 0, 3, 6, 9
+  EXPECT_DOUBLE_EQ(report.success_end, 0);
+  EXPECT_DOUBLE_EQ(report.learning_rate, 5e-4);
+  EXPECT_EQ(report.epochs, 3);
+  EXPECT_EQ(report.head_kl.size(), 3U);
+  EXPECT_EQ(trainer.state().observation.count, 400);
+}
+
+TEST(TrainerTest, TheLearningRateFallsLinearlyToItsFloor) {
+  RunConfig config = SmallConfig();
+  config.set_total_steps(800);
+  Trainer trainer(config, Trainer::InitialState(config), 1);
+  std::vector<double> rates;
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    const PolicySnapshot snapshot = SnapshotOf(trainer.state(), config);
+    rates.push_back(trainer.Update(SyntheticBatch(config, snapshot, i)).learning_rate);
+  }
+  EXPECT_DOUBLE_EQ(rates[0], 5e-4);
+  EXPECT_DOUBLE_EQ(rates[1], 2.5e-4);
+  EXPECT_DOUBLE_EQ(rates[2], 5e-5);
+}
+
+TEST(TrainerTest, NoFurtherEpochOnceTheDivergencePassesTheStop) {
+  RunConfig config = SmallConfig();
+  config.mutable_ppo()->set_learning_rate(3e-2);
+  config.mutable_ppo()->set_epochs(10);
+  config.mutable_ppo()->set_kl_stop(0.03);
+  Trainer trainer(config, Trainer::InitialState(config), 1);
+  const PolicySnapshot snapshot = SnapshotOf(trainer.state(), config);
+  const UpdateReport report = trainer.Update(SyntheticBatch(config, snapshot, 0));
+  EXPECT_LT(report.epochs, 10);
+  EXPECT_GT(report.kl, 0.03);
+}
+
+TEST(TrainerTest, TheFirstBatchIsSeenUnnormalisedAndTheSecondByItsStatistics) {
+  const RunConfig config = SmallConfig();
+  Trainer trainer(config, Trainer::InitialState(config), 1);
+  const PolicySnapshot zero = SnapshotOf(trainer.state(), config);
+  EXPECT_EQ(zero.observation_mean, std::vector<float>(39, 0.0F));
+  EXPECT_EQ(zero.observation_inv_std, std::vector<float>(39, 1.0F));
+  trainer.Update(SyntheticBatch(config, zero, 0));
+  const PolicySnapshot one = SnapshotOf(trainer.state(), config);
+  EXPECT_NEAR(one.observation_mean[10], 3.0, 0.3);
+  EXPECT_NEAR(one.observation_inv_std[10], 1.0, 0.2);
+  EXPECT_EQ(one.observation_mean[12], 0);
+}
+
+TEST(TrainerTest, ANonFiniteEpisodeStopsTheUpdateAndKeepsTheState) {
+  const RunConfig config = SmallConfig();
+  Trainer trainer(config, Trainer::InitialState(config), 2);
+  const TrainState before = trainer.state();
+  auto batch = SyntheticBatch(config, SnapshotOf(before, config), 0);
+  batch[4].reward[7] = std::numeric_limits<float>::infinity();
+  EXPECT_THROW(trainer.Update(batch), NonFiniteUpdate);
+  EXPECT_EQ(trainer.state(), before);
+}
+
+TEST(TrainerTest, AnUpdateWhoseStdNoActorCanDrawWithIsRefused) {
+  const RunConfig config = SmallConfig();
+  TrainState state = Trainer::InitialState(config);
+  const auto batch = SyntheticBatch(config, SnapshotOf(state, config), 0);
+  state.parameters[ActorLayout(ShapeOf(config)).log_std] = 80;  // finite, and so is its exp
+  Trainer trainer(config, state, 1);
+  try {
+    trainer.Update(batch);
+    ADD_FAILURE() << "no actor can act with these weights";
+  } catch (const NonFiniteUpdate& error) {
+    EXPECT_NE(std::string(error.what()).find("a log-std is 80"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(trainer.state(), state);
+}
+
+TEST(TrainerTest, RefusesAStateOfAnotherShape) {
+  const TrainState state = Trainer::InitialState(SmallConfig(MULTIHEAD, 3));
+  EXPECT_THROW(Trainer(SmallConfig(MULTIHEAD, 4), state, 1), std::invalid_argument);
+}
+
+TEST(InitialStateTest, WeightsAreOrthogonalWithTheirGain) {
+  const RunConfig config = SmallConfig();
+  const TrainState state = Trainer::InitialState(config);
+  const LayerSlice slice = ActorLayout(ShapeOf(config)).hidden[0];  // 13 rows of 39
+  for (int a = 0; a < slice.outputs; ++a) {
+    for (int b = 0; b < slice.outputs; ++b) {
+      double dot = 0;
+      for (int i = 0; i < slice.inputs; ++i) {
+        dot += double{state.parameters[slice.weight + a * slice.inputs + i]} *
+               state.parameters[slice.weight + b * slice.inputs + i];
+      }
+      EXPECT_NEAR(dot, a == b ? 2.0 : 0.0, 1e-6);
+    }
+  }
+}
+
+TEST(InitialStateTest, ASharedCriticBeginsAsTheFirstHeadOfSeparateOnes) {
+  RunConfig config = SmallConfig();
+  const std::vector<float> separate = Trainer::InitialState(config).parameters;
+  config.mutable_policy()->set_critic_heads(CRITIC_HEADS_SHARED);
+  const std::vector<float> shared = Trainer::InitialState(config).parameters;
+  ASSERT_EQ(separate.size(), shared.size() + 2 * (9 + 1));  // two heads of 9 weights and a bias
+  // Of the separate critic: hidden layers, 3 rows of weights, 3 biases (zeros, as all are).
+  const std::size_t weights = shared.size() - 1;
+  EXPECT_TRUE(
+      std::equal(shared.begin(), shared.begin() + std::ptrdiff_t(weights), separate.begin()));
+  EXPECT_EQ(shared.back(), 0);
+}
+
+TEST(EpisodeCheckTest, AcceptsTheActorsEpisodeAndNamesWhatIsWrongWithOthers) {
+  const RunConfig config = SmallConfig();
+  const TrainState state = Trainer::InitialState(config);
+  const PolicySnapshot snapshot = SnapshotOf(state, config);
+  Policy policy(config, snapshot);
+  const Episode good = testing::SyntheticEpisode(config, snapshot, 6);
+  EXPECT_EQ(CheckEpisode(good, policy, config), std::nullopt);
+
+  const auto reason_of = [&](auto spoil) {
+    Episode bad = good;
+    spoil(bad);
+    return CheckEpisode(bad, policy, config).value_or("accepted");
+  };
+  const auto expect_reason = [&](const std::string& reason, const std::string& part) {
+    EXPECT_NE(reason.find(part), std::string::npos) << reason;
+  };
+  expect_reason(reason_of([](Episode& e) { e.weights_version = 3; }), "version 3");
+  expect_reason(reason_of([](Episode& e) { e.reward.pop_back(); }), "reward has length 39");
+  expect_reason(reason_of([](Episode& e) { e.observation.pop_back(); }), "observation has length");
+  expect_reason(reason_of([](Episode& e) { e.action.push_back(0); }), "action has length");
+  expect_reason(reason_of([](Episode& e) { e.reward[3] = NAN; }), "reward is not finite");
+  expect_reason(reason_of([](Episode& e) { e.observation[39 * 40] = INFINITY; }), "observation");
+  // Finite, and absurd: two of the first sum up to infinity, one of the second spoils a scale.
+  for (const float reward : {3e38F, 1e30F, -1e30F, 1001.0F}) {
+    expect_reason(reason_of([=](Episode& e) { e.reward[3] = reward; }), "reward is out of range");
+  }
+  for (const float observation : {1e20F, -1e20F, 1.1e6F}) {
+    expect_reason(reason_of([=](Episode& e) { e.observation[39 * 40] = observation; }),
+                  "observation is out of range");
+  }
+  expect_reason(reason_of([](Episode& e) { e.reward[3] = -1000; }), "accepted");
+  expect_reason(reason_of([](Episode& e) { e.observation[39 * 40] = 1e6F; }), "accepted");
+  expect_reason(reason_of([](Episode& e) { e.head[20] = 0; }), "step 20 names head 0");
+  expect_reason(reason_of([](Episode& e) { e.flags[39] = 0; }), "flags");
+  expect_reason(reason_of([](Episode& e) { e.flags[1] = kStepTerminated; }), "flags");
+  expect_reason(reason_of([](Episode& e) { e.number = 7; }), "log-probability");
+  // One bit of one log-probability, and one bit of one action.
+  expect_reason(reason_of([](Episode& e) { e.log_prob[9] = std::nextafter(e.log_prob[9], 9.0F); }),
+                "step 9");
+  expect_reason(reason_of([](Episode& e) { e.action[50] = std::nextafter(e.action[50], 9.0F); }),
+                "step 12");
+}
+
+// What an actor under another schedule would send is wrong at the first step of another head; with
+// only its tags put right, in what that head does.
+TEST(EpisodeCheckTest, RefusesTheHeadsOfAnotherSchedule) {
+  const Schedule schedules[] = {SCHEDULE_BLOCKS, SCHEDULE_INTERLEAVED, SCHEDULE_SHUFFLED};
+  for (const Schedule played : schedules) {
+    for (const Schedule asked : schedules) {
+      RunConfig config = SmallConfig();
+      PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+      config.mutable_policy()->set_schedule(played);
+      Episode episode = testing::SyntheticEpisode(config, snapshot, 6);
+      config.mutable_policy()->set_schedule(asked);
+      Policy policy(config, snapshot);
+      const auto reason = CheckEpisode(episode, policy, config).value_or("accepted");
+      if (played == asked) {
+        EXPECT_EQ(reason, "accepted");
+        continue;
+      }
+      EXPECT_NE(reason.find("the schedule gives"), std::string::npos) << reason;
+      const HeadSchedule schedule(config, TrainingEpisode(config, 6));
+      for (int t = 0; t < 40; ++t) episode.head[t] = std::uint16_t(schedule.HeadAt(t));
+      const auto disguised = CheckEpisode(episode, policy, config).value_or("accepted");
+      EXPECT_NE(disguised.find("log-probability"), std::string::npos) << disguised;
+    }
+  }
+}
+
+TEST(EpisodeCheckTest, RefusesTheHeadOrderOfAnotherEpisodeOrSeed) {
+  RunConfig config = SmallConfig();
+  config.mutable_policy()->set_schedule(SCHEDULE_SHUFFLED);
+  const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+  Policy policy(config, snapshot);
+  // One policy judges episodes of any order, in turn.
+  int refused = 0;
+  for (std::uint64_t number = 0; number < 20; ++number) {
+    Episode episode = testing::SyntheticEpisode(config, snapshot, number);
+    EXPECT_EQ(CheckEpisode(episode, policy, config), std::nullopt);
+    ++episode.number;
+    const auto reason = CheckEpisode(episode, policy, config).value_or("accepted");
+    EXPECT_NE(reason, "accepted");
+    refused += reason.find("the schedule gives") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GE(refused, 12) << "of 20 neighbours, a sixth has the same order of three heads";
+  Episode episode = testing::SyntheticEpisode(config, snapshot, 0);
+  config.set_seed(8);
+  EXPECT_NE(CheckEpisode(episode, policy, config), std::nullopt);
+}
+
+TEST(EpisodeCheckTest, TheLastStepsOfAHorizonThatIsNoMultipleOfFourAreCheckedToo) {
+  RunConfig config = SmallConfig();
+  config.mutable_environment()->set_horizon(43);
+  const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+  Policy policy(config, snapshot);
+  Episode episode = testing::SyntheticEpisode(config, snapshot, 6);
+  EXPECT_EQ(CheckEpisode(episode, policy, config), std::nullopt);
+  episode.log_prob[42] = std::nextafter(episode.log_prob[42], 9.0F);
+  EXPECT_NE(CheckEpisode(episode, policy, config).value_or("accepted").find("step 42"),
+            std::string::npos);
+}
+
+TEST(EpisodeCheckTest, ASampleFindsAWrongStepInItAndNoOther) {
+  RunConfig config = SmallConfig();
+  config.mutable_collection()->set_check_share(0.3);
+  const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+  Policy policy(config, snapshot);
+  const Episode good = testing::SyntheticEpisode(config, snapshot, 6);
+  int found = 0;
+  for (std::size_t t = 0; t < good.log_prob.size(); ++t) {
+    Episode bad = good;
+    bad.log_prob[t] += 1;
+    found += CheckEpisode(bad, policy, config).has_value() ? 1 : 0;
+  }
+  EXPECT_EQ(CheckEpisode(good, policy, config), std::nullopt);
+  EXPECT_GE(found, 5);
+  EXPECT_LE(found, 20);
+}
+
+TEST(EpisodeCheckTest, AToleranceLetsSmallDifferencesPassAndNoLargeOnes) {
+  RunConfig config = SmallConfig();
+  const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+  Policy policy(config, snapshot);
+  Episode episode = testing::SyntheticEpisode(config, snapshot, 6);
+  episode.log_prob[9] += 1e-5F;
+  config.mutable_collection()->set_check_tolerance(1e-4);
+  EXPECT_EQ(CheckEpisode(episode, policy, config), std::nullopt);
+  episode.log_prob[9] += 1e-2F;
+  EXPECT_NE(CheckEpisode(episode, policy, config), std::nullopt);
+}
+
+}  // namespace
+}  // namespace metronome

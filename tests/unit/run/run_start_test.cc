@@ -1,0 +1,127 @@
+#include "learner/run/run_start.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "common/config/config.h"
+#include "common/process/build_info.h"
+#include "common/process/sha256.h"
+#include "learner/ppo/trainer.h"
+#include "tests/unit/support/synthetic_run.h"
+#include "tests/unit/support/temporary_folder.h"
+
+namespace metronome {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RunStartTest : public TemporaryFolderTest {
+ protected:
+  RunStartTest() {
+    request_.run = "demo";
+    request_.folder = root_ + "/demo";
+    request_.config = Resolve(testing::SmallConfig());
+    fs::create_directories(request_.folder);
+  }
+
+  [[nodiscard]] std::string Checkpoints() const { return request_.folder + "/checkpoints"; }
+
+  /// What the run's learner left at `version`.
+  [[nodiscard]] Checkpoint At(std::uint64_t version) const {
+    Checkpoint checkpoint;
+    checkpoint.config = request_.config;
+    checkpoint.engine = EngineName();
+    checkpoint.incarnation = 3;
+    checkpoint.logs = {100 * version, 200 * version, 5};
+    TrainState& state = checkpoint.state = Trainer::InitialState(request_.config);
+    state.version = version;
+    state.steps = version * 400;
+    state.adam_m.assign(state.adam_m.size(), 0.5F);
+    state.adam_steps = 7;
+    state.observation = {std::vector<double>(39, 1), std::vector<double>(39, 2), 400};
+    state.reward_return = {{1}, {2}, 3};
+    state.canonical_digest = "00ff";
+    state.episodes_used = version * 10;
+    state.parameters[0] = static_cast<float>(version);
+    return checkpoint;
+  }
+
+  [[nodiscard]] std::string Refusal() const {
+    try {
+      StartOf(request_);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  RunRequest request_;
+};
+
+TEST_F(RunStartTest, AResumedRunGoesOnFromTheNewestWholeCheckpointAndItsLogs) {
+  CheckpointStore store(Checkpoints(), 5);
+  for (std::uint64_t version = 1; version <= 3; ++version) store.Save(At(version));
+  std::ofstream(Checkpoints() + "/000003.ckpt", std::ios::trunc) << "torn";
+  request_.resume = true;
+  const RunStart start = StartOf(request_);
+  EXPECT_TRUE(start.resumed);
+  EXPECT_EQ(start.checkpoint.state, At(2).state);
+  EXPECT_EQ(start.checkpoint.logs, At(2).logs);
+  EXPECT_TRUE(fs::exists(Checkpoints() + "/000003.ckpt.damaged"));
+}
+
+TEST_F(RunStartTest, AStartThatIsRefusedMovesNothing) {
+  CheckpointStore store(Checkpoints(), 5);
+  for (std::uint64_t version = 1; version <= 2; ++version) store.Save(At(version));
+  std::ofstream(Checkpoints() + "/000002.ckpt", std::ios::trunc) << "torn";
+  request_.resume = true;
+  request_.config.set_seed(6);
+  EXPECT_NE(Refusal().find("belongs to another configuration"), std::string::npos) << Refusal();
+  EXPECT_TRUE(fs::exists(Checkpoints() + "/000002.ckpt"));
+}
+
+TEST_F(RunStartTest, ARunThatNeverHadACheckpointBeginsAtVersion0) {
+  request_.resume = true;
+  std::ofstream(request_.folder + "/progress.csv") << "steps,update\n";
+  const RunStart start = StartOf(request_);
+  EXPECT_FALSE(start.resumed);
+  EXPECT_EQ(start.checkpoint.state, Trainer::InitialState(request_.config));
+}
+
+TEST_F(RunStartTest, ARunWhoseCheckpointsAreLostDoesNotBeginAgain) {
+  request_.resume = true;
+  std::ofstream(request_.folder + "/progress.csv") << "steps,update\n400,1\n800,2\n";
+  EXPECT_THROW(StartOf(request_), CannotStart);
+  EXPECT_NE(Refusal().find("tells of 2 updates"), std::string::npos) << Refusal();
+  EXPECT_NE(Refusal().find("another --run"), std::string::npos);
+}
+
+TEST_F(RunStartTest, OfAnotherRunWeightsAndObservationStatisticsAreTakenAlone) {
+  const Checkpoint source = At(5);
+  const std::string path = CheckpointStore(root_ + "/other", 5).Save(source);
+  request_.config.mutable_policy()->set_initial_weights(path);
+  request_.config.set_seed(99);
+  TrainState expected = Trainer::InitialState(request_.config);
+  expected.parameters = source.state.parameters;
+  expected.observation = source.state.observation;
+  // Killed before its first checkpoint, the run begins in the same way.
+  for (const bool resume : {false, true}) {
+    request_.resume = resume;
+    const RunStart start = StartOf(request_);
+    EXPECT_EQ(start.checkpoint.state, expected);
+    EXPECT_EQ(start.checkpoint.logs, LogOffsets());
+    EXPECT_EQ(start.checkpoint.initial_weights_sha256, WeightsSha256(source.state.parameters));
+    EXPECT_FALSE(start.resumed);
+  }
+}
+
+TEST_F(RunStartTest, ACheckpointRemembersTheWeightsThatItsRunBeganWith) {
+  Checkpoint checkpoint = At(1);
+  checkpoint.initial_weights_sha256 = "00ff";
+  EXPECT_EQ(DecodeCheckpoint(EncodeCheckpoint(checkpoint), "x").initial_weights_sha256, "00ff");
+}
+
+}  // namespace
+}  // namespace metronome

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "common/policy/network.h"
+
+namespace metronome::testing {
+
+/// Outputs of one head of a network in double precision, from its definition: tanh layers, then the
+/// rows of the head.
+/// @param parameters  the network's block, MlpLayout order.
+/// @param x           the network's input.
+template <typename Number>
+std::vector<double> Forward(const std::vector<Number>& parameters, const MlpLayout& layout,
+                            std::vector<double> x, int head) {
+  const auto apply = [&](const LayerSlice& slice, int first, int rows, bool squash) {
+    std::vector<double> y;
+    for (int r = first; r < first + rows; ++r) {
+      double sum = parameters[slice.bias + std::size_t(r)];
+      for (int c = 0; c < slice.inputs; ++c) {
+        sum += double{parameters[slice.weight + std::size_t(r * slice.inputs + c)]} *
+               x[std::size_t(c)];
+      }
+      y.push_back(squash ? std::tanh(sum) : sum);
+    }
+    return y;
+  };
+  for (const LayerSlice& slice : layout.hidden) x = apply(slice, 0, slice.outputs, true);
+  return apply(layout.head, head * layout.head_outputs, layout.head_outputs, false);
+}
+
+}  // namespace metronome::testing

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/messages/episode.h"
+#include "common/messages/messages.h"
+#include "common/numbers/random.h"
+#include "common/policy/action_noise.h"
+#include "common/policy/head_schedule.h"
+#include "common/policy/policy.h"
+#include "common/schema/config.pb.h"
+
+/// A run without physics: small networks, and episodes whose observations are noise, whose actions
+/// are the policy's own and whose reward prefers small actions. Pure functions of their arguments.
+namespace metronome::testing {
+
+inline RunConfig SmallConfig(Method method = MULTIHEAD, int heads = 3, int overlap = 0) {
+  RunConfig config;
+  config.set_seed(5);
+  config.set_total_steps(4000);
+  config.mutable_environment()->set_task("push");
+  config.mutable_environment()->set_horizon(40);
+  config.mutable_policy()->set_method(method);
+  config.mutable_policy()->set_heads(method == MULTIHEAD ? heads : 1);
+  config.mutable_policy()->add_hidden(13);  // no multiple of a vector's width
+  config.mutable_policy()->add_hidden(9);
+  config.mutable_ppo()->set_learning_rate(5e-4);
+  config.mutable_ppo()->set_epochs(3);
+  config.mutable_ppo()->set_minibatch(150);  // two shards, and a smaller last minibatch
+  config.mutable_ppo()->set_kl_stop(0);
+  config.mutable_collection()->set_episodes_per_update(10);
+  config.mutable_collection()->set_overlap(overlap);
+  return config;
+}
+
+inline Episode SyntheticEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
+                                std::uint64_t number) {
+  Policy policy(config, snapshot);
+  const HeadSchedule schedule(config, TrainingEpisode(config, number));
+  ActionNoise noise(config, number);
+  Episode episode;
+  episode.number = number;
+  episode.weights_version = snapshot.version;
+  const std::int32_t horizon = config.environment().horizon();
+  RandomStream random(RandomPurpose::kEvaluate, 99, number, 0);
+  for (std::int32_t t = 0; t <= horizon; ++t) {
+    for (int i = 0; i < kObservationSize; ++i) {
+      // Dimensions 11..17 are constant zeros, as in Meta-World.
+      const bool constant = i >= 11 && i < 18;
+      episode.observation.push_back(constant ? 0.0F : 0.3F * float(i) + float(random.Normal()));
+    }
+    if (t == horizon) break;
+    const float* row = episode.observation.data() + std::size_t(t) * kObservationSize;
+    const Policy::Decision decision = policy.Act(schedule, row, t, noise.At(t));
+    float cost = 0;
+    for (const float action : decision.action) {
+      episode.action.push_back(action);
+      cost += action * action;
+    }
+    episode.log_prob.push_back(decision.log_prob);
+    episode.head.push_back(std::uint16_t(decision.head));
+    episode.reward.push_back(1 / (1 + cost) + 0.1F * float(random.Normal()));
+    episode.flags.push_back(t + 1 == horizon ? kStepTruncated : 0);
+  }
+  if (number % 3 == 0) episode.flags[5] |= kStepSuccess;
+  return episode;
+}
+
+inline std::vector<Episode> SyntheticBatch(const RunConfig& config, const PolicySnapshot& snapshot,
+                                           std::uint64_t batch) {
+  const auto count = std::uint64_t(config.collection().episodes_per_update());
+  std::vector<Episode> episodes;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    episodes.push_back(SyntheticEpisode(config, snapshot, batch * count + i));
+  }
+  return episodes;
+}
+
+}  // namespace metronome::testing
