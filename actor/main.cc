@@ -29,7 +29,7 @@
 namespace metronome {
 namespace {
 
-ActorClientOptions ClientOptions(const RunOptions& options) {
+ActorClientOptions ClientOptions(const JoinOptions& options) {
   ActorClientOptions client;
   client.run_name = options.bus.run_name;
   client.domain = options.bus.domain;
@@ -95,7 +95,7 @@ std::unique_ptr<ActorBus> MakeBus(const BusOptions& options, std::uint64_t actor
   }
 }
 
-int Serve(const RunOptions& options) {
+int Serve(const JoinOptions& options) {
   if (const auto warning = TooManyThreads(options.envs, "--envs")) spdlog::warn("{}", *warning);
   const ActorClientOptions client_options = ClientOptions(options);
   StopTarget target;
@@ -112,7 +112,7 @@ int Serve(const RunOptions& options) {
   return StatusOf(end, target.signal());
 }
 
-int Execute(const RunOptions& options) {
+int Execute(const JoinOptions& options) {
   SetUpLogging("actor", options.log);
   IgnoreLostReaders();
   const std::string assets = metaworld::DefaultAssetsPath();
@@ -145,7 +145,7 @@ int Main(int argc, char** argv) {
   if (const int* status = std::get_if<int>(&parsed)) return *status;
   const ActorCommand& command = std::get<ActorCommand>(parsed);
   std::optional<SignalWatch> signals;
-  if (!std::holds_alternative<RunOptions>(command)) signals.emplace(EndAtOnce);
+  if (!std::holds_alternative<JoinOptions>(command)) signals.emplace(EndAtOnce);
   return std::visit([](const auto& options) { return Execute(options); }, command);
 }
 

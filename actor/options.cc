@@ -21,7 +21,7 @@ constexpr const char* kProgram = "metronome-actor";
 
 /// What is typed before it is judged.
 struct Typed {
-  RunOptions run;
+  JoinOptions run;
   std::string transport = "udp";
   std::string network = "loopback";
   std::string discovery_server;
@@ -233,7 +233,7 @@ void AddRender(CLI::App& app, Typed& typed) {
       "2 bad options, 128 + N stopped by signal N.");
 }
 
-RunOptions Judge(Typed typed) {
+JoinOptions Judge(Typed typed) {
   typed.run.bus.transport = ParseTransport(typed.transport);
   typed.run.bus.network = ParseNetwork(typed.network);
   typed.run.bus.discovery_servers = ParseDiscoveryServers(typed.discovery_server);

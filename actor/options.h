@@ -15,7 +15,7 @@
 namespace metronome {
 
 /// `metronome-actor run`.
-struct RunOptions {
+struct JoinOptions {
   BusOptions bus;
   int envs = 1;  // episodes at once, a thread each
   bool stay = false;
@@ -24,7 +24,7 @@ struct RunOptions {
 };
 
 using ActorCommand =
-    std::variant<RunOptions, TraceOptions, PlacementsOptions, EvaluateOptions, RenderOptions>;
+    std::variant<JoinOptions, TraceOptions, PlacementsOptions, EvaluateOptions, RenderOptions>;
 
 /// The command line of metronome-actor. Prints help and complaints itself.
 /// @return the command, or the exit status: 0 (help), 2 (usage).

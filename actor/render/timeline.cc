@@ -21,9 +21,9 @@ struct Scale {
   }
 };
 
-void DrawColors(const Canvas& canvas, const Scale& scale, const std::vector<HeadRun>& runs,
+void DrawColors(const Canvas& canvas, const Scale& scale, const std::vector<HeadTurn>& runs,
                 std::int32_t heads) {
-  for (const HeadRun& run : runs) {
+  for (const HeadTurn& run : runs) {
     const int left = scale.X(run.begin);
     canvas.Fill({left, scale.bar.bottom, scale.X(run.end) - left, scale.bar.height},
                 HeadColor(run.head, heads));
@@ -31,10 +31,10 @@ void DrawColors(const Canvas& canvas, const Scale& scale, const std::vector<Head
 }
 
 /// Each head's number in its stretch, as many as there is room for.
-void DrawNumbers(const Canvas& canvas, const Scale& scale, const std::vector<HeadRun>& runs,
+void DrawNumbers(const Canvas& canvas, const Scale& scale, const std::vector<HeadTurn>& runs,
                  std::int32_t heads) {
   int free_from = scale.bar.left;
-  for (const HeadRun& run : runs) {
+  for (const HeadTurn& run : runs) {
     const std::string number = std::to_string(run.head);
     const int x = (scale.X(run.begin) + scale.X(run.end)) / 2;
     const int half = canvas.Width(number) / 2;
@@ -46,12 +46,12 @@ void DrawNumbers(const Canvas& canvas, const Scale& scale, const std::vector<Hea
 }
 
 /// The steps at which heads change, as many as there is room for; the last one always.
-void DrawSteps(const Canvas& canvas, const Scale& scale, const std::vector<HeadRun>& runs, int y) {
+void DrawSteps(const Canvas& canvas, const Scale& scale, const std::vector<HeadTurn>& runs, int y) {
   const int gap = canvas.LineHeight();
   const std::string last = std::to_string(scale.steps);
   const int limit = scale.X(scale.steps) - canvas.Width(last) / 2 - gap;
   int free_from = 0;
-  for (const HeadRun& run : runs) {
+  for (const HeadTurn& run : runs) {
     const std::string step = std::to_string(run.begin);
     const int x = scale.X(run.begin);
     const int half = canvas.Width(step) / 2;
@@ -73,8 +73,8 @@ void DrawMark(const Canvas& canvas, const Scale& scale, std::int32_t now) {
 
 }  // namespace
 
-std::vector<HeadRun> HeadRuns(const EpisodePath& path) {
-  std::vector<HeadRun> runs;
+std::vector<HeadTurn> HeadTurns(const EpisodePath& path) {
+  std::vector<HeadTurn> runs;
   for (std::int32_t t = 1; t < static_cast<std::int32_t>(path.points.size()); ++t) {
     const std::int32_t head = path.points[std::size_t(t)].head;
     if (runs.empty() || runs.back().head != head) runs.push_back({head, t - 1, t});
@@ -92,7 +92,7 @@ void DrawTimeline(const Canvas& canvas, const EpisodePath& path, const mjrRect& 
   const Scale scale = {{area.left + captions + line, area.bottom + line * 7 / 4,
                         area.width - captions - 3 * line, line * 5 / 4},
                        static_cast<std::int32_t>(path.points.size()) - 1};
-  const std::vector<HeadRun> runs = HeadRuns(path);
+  const std::vector<HeadTurn> runs = HeadTurns(path);
   const int head_line = scale.bar.bottom + scale.bar.height / 2;
   const int step_line = area.bottom + line;
   canvas.Fill(area, kPaper);

@@ -12,14 +12,14 @@
 namespace metronome {
 
 /// Consecutive steps of one head.
-struct HeadRun {
+struct HeadTurn {
   std::int32_t head = 0;
   std::int32_t begin = 0;  // steps taken when the head takes over
   std::int32_t end = 0;    // steps taken when the next one does
 };
 
 /// Who acts when, in order of time.
-std::vector<HeadRun> HeadRuns(const EpisodePath& path);
+std::vector<HeadTurn> HeadTurns(const EpisodePath& path);
 
 /// Pixels that a timeline needs at the foot of an image.
 int TimelineHeight(const Canvas& canvas);

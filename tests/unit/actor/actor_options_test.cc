@@ -87,7 +87,7 @@ TEST_F(ActorOptionsTest, ALeadingZeroIsNotOctal) {
   EXPECT_EQ(Take<EvaluateOptions>(with(kEvaluate, {"--seed", "010"})).seed, 10U);
   EXPECT_EQ(Take<RenderOptions>(with(kRender, {"--seed", "010"})).seed, 10U);
   EXPECT_EQ(Take<RenderOptions>(with(kRender, {"--step", "010"})).step, 10);
-  EXPECT_EQ(Take<RunOptions>(with(kRun, {"--domain", "010"})).bus.domain, 10U);
+  EXPECT_EQ(Take<JoinOptions>(with(kRun, {"--domain", "010"})).bus.domain, 10U);
   EXPECT_EQ(Take<EvaluateOptions>(with(kEvaluate, {"--head-order", "0,010,2"})).head_order,
             (std::vector<std::uint32_t>{0, 10, 2}));
   EXPECT_EQ(Take<EvaluateOptions>(with(kEvaluate, {"--seed", "18446744073709551615"})).seed,
@@ -102,9 +102,9 @@ TEST_F(ActorOptionsTest, AFractionIsAFiniteNumberInItsRange) {
     ExpectRefused(kRender, "--arm-opacity", value);
   }
   ExpectRefused(kRender, "--speed", "nan");
-  EXPECT_EQ(Take<RunOptions>({"run", "--run", "demo", "--learner-timeout", "2.5"}).learner_timeout,
+  EXPECT_EQ(Take<JoinOptions>({"run", "--run", "demo", "--learner-timeout", "2.5"}).learner_timeout,
             2.5);
-  EXPECT_EQ(Take<RunOptions>({"run", "--run", "demo", "--wait", "3"}).learner_timeout, 3.0);
+  EXPECT_EQ(Take<JoinOptions>({"run", "--run", "demo", "--wait", "3"}).learner_timeout, 3.0);
 }
 
 }  // namespace

@@ -64,8 +64,8 @@ TEST(PathCsvTest, HasARowForTheResetAndOneForEachStep) {
   EXPECT_EQ(rows[7].substr(rows[7].size() - 7), ",0.75,1");
 }
 
-TEST(HeadRunsTest, SayWhoActsWhen) {
-  const std::vector<HeadRun> runs = HeadRuns(TwoHeads());
+TEST(HeadTurnsTest, SayWhoActsWhen) {
+  const std::vector<HeadTurn> runs = HeadTurns(TwoHeads());
   ASSERT_EQ(runs.size(), 2U);
   EXPECT_EQ(runs[0].head, 0);
   EXPECT_EQ(runs[0].begin, 0);
