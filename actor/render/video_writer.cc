@@ -27,6 +27,7 @@ constexpr const char* kEncoder = "ffmpeg";
 
 std::string NameOf(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
 
+constexpr int kUnknownEnd = -1;    // no exit status: somebody else collected it
 constexpr int kEncoderOutput = 3;  // ffmpeg's descriptor of the video
 
 /// Raw frames in; H.264 that every player takes, colours as in high-definition television out.
@@ -182,9 +183,11 @@ int VideoWriter::Wait() {
   if (input_ >= 0) close(input_);
   input_ = -1;
   int status = 0;
-  while (waitpid(ffmpeg_, &status, 0) < 0 && errno == EINTR) {
-  }
+  pid_t ended = -1;
+  do ended = waitpid(ffmpeg_, &status, 0);
+  while (ended < 0 && errno == EINTR);
   ffmpeg_ = -1;
+  if (ended < 0) return kUnknownEnd;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 

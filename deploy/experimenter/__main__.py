@@ -27,6 +27,7 @@ from slot import CellFailed, Slot, stop_all  # noqa: E402
 
 # Troubles that somebody, or time, may end.
 PASSING = (errno.ENOSPC, errno.EDQUOT, errno.EAGAIN, errno.ENOMEM, errno.EMFILE, errno.ENFILE)
+MOST_DOMAIN = 232  # DDSI-RTPS 2.2, 9.6.1.1: ports stay below 65536
 TICK = 5.0  # seconds between looks for new milestones; children that end are noticed at once
 
 
@@ -44,7 +45,7 @@ def _parse(arguments):
     parser.add_argument("--list", action="store_true", help="say what is done and what is not, and end")
     parser.add_argument("--cells", metavar="GLOB", action="append",
                         help="only these, e.g. 'push-*-s1'; may be repeated")
-    parser.add_argument("--jobs", type=int, metavar="N", default=0,
+    parser.add_argument("--jobs", type=int, metavar="N",
                         help="runs at once; each gets an equal share of the cores (default: one a core)")
     parser.add_argument("--domain", type=int, default=40, metavar="N",
                         help="DDS domain of the first run, the others use the next (default %(default)s)")
@@ -62,8 +63,14 @@ def _parse(arguments):
             setattr(options, name, path and find(path, f"--{name}"))
         except OSError as error:
             parser.error(f"--{name}: {error}")
-    if options.jobs < 0:
+    if options.jobs is not None and options.jobs < 1:
         parser.error("--jobs must be at least 1")
+    if not 0 <= options.domain <= MOST_DOMAIN:
+        parser.error(f"--domain must be from 0 to {MOST_DOMAIN}")
+    jobs = options.jobs or machine.usable()
+    if options.domain + jobs - 1 > MOST_DOMAIN:
+        parser.error(f"{jobs} runs at once from --domain {options.domain} on need domain {options.domain + jobs - 1}, and "
+                     f"{MOST_DOMAIN} is the last: choose a lower --domain or fewer --jobs")
     return options
 
 

@@ -15,6 +15,7 @@ namespace {
 
 // Nothing is due before this: waiting longer would be as good.
 constexpr std::chrono::seconds kLongWait{60};
+constexpr std::chrono::seconds kExclusionsAgain{10};
 
 double SecondsBetween(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
@@ -133,7 +134,7 @@ void Coordinator::ServeOnce() {
     if (due) deadline = std::min(deadline, *due);
   }
   if (auto event = bus_.Wait(deadline)) Handle(std::move(*event), now_());
-  KeepExclusions();
+  KeepExclusions(now_());
   FinishUpdateIfDone();
   StartUpdateIfReady();
 }
@@ -159,17 +160,18 @@ void Coordinator::Handle(LearnerEvent event, TimePoint now) {
       event);
 }
 
-void Coordinator::KeepExclusions() {
+void Coordinator::KeepExclusions(TimePoint now) {
   const ExcludedHosts& excluded = collector_.excluded();
-  if (excluded.size() == exclusions_kept_) return;
-  exclusions_kept_ = excluded.size();
+  if (excluded.size() == exclusions_kept_ || now < keep_exclusions_from_) return;
   try {
     record_.Excluded(excluded);
+    exclusions_kept_ = excluded.size();
   } catch (const std::exception& failure) {
+    keep_exclusions_from_ = now + kExclusionsAgain;
     spdlog::error(
-        "that a host is excluded was not written: {}; if the learner starts again, it is "
-        "let in again",
-        failure.what());
+        "that a host is excluded was not written: {}; it is tried again in {} s, and if the "
+        "learner starts again before, the host is let in again",
+        failure.what(), kExclusionsAgain.count());
   }
 }
 

@@ -77,7 +77,7 @@ class Coordinator {
   void Serve();
   void ServeOnce();
   void Handle(LearnerEvent event, TimePoint now);
-  void KeepExclusions();
+  void KeepExclusions(TimePoint now);
   void OnRival(const RivalSeen& rival, TimePoint now);
   void CallForActors(TimePoint now);
   void PublishStatus(LearnerStatus::State state);
@@ -108,7 +108,8 @@ class Coordinator {
   Collector collector_;
   StatusReport status_;
   std::size_t exclusions_kept_;
-  std::uint64_t version_;  // updates made and published
+  TimePoint keep_exclusions_from_;  // after one that could not be written
+  std::uint64_t version_;           // updates made and published
   std::optional<std::uint64_t> saved_version_;
   TimePoint serving_since_;
   std::map<std::uint64_t, TimePoint> published_;  // when each of the last versions went out

@@ -191,6 +191,17 @@ def test_a_milestone_that_was_not_evaluated_is_evaluated_in_another_checkout(sta
     assert evaluated == [("4", "mt1"), ("4", "random"), ("8", "mt1"), ("8", "random")]
 
 
+@pytest.mark.parametrize("options, complaint", [
+    (("--jobs", 0), "--jobs must be at least 1"),
+    (("--domain", 233), "--domain must be from 0 to 232"),
+    (("--domain", 230, "--jobs", 4), "need domain 233"),
+])
+def test_jobs_without_a_domain_each_are_refused(stage, options, complaint):
+    refused = Place(stage).start(*options)
+    assert refused.wait(60) == 2, refused
+    assert complaint in refused.text, refused
+
+
 @pytest.mark.parametrize(
     "old, new, complaint",
     [

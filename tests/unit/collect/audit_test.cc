@@ -273,6 +273,18 @@ TEST(AuditedRunTest, WhatComesTwiceAndDiffersIsPlayedAgainByTwoHosts) {
   EXPECT_TRUE(run.record.excluded.contains("host2"));
 }
 
+TEST(AuditedRunTest, AnExclusionThatCouldNotBeWrittenIsWrittenLater) {
+  FakeRun run;
+  run.setup.rules.audit = {1, 1};
+  run.setup.rules.updates_total = 300;  // much longer than it waits before it tries again
+  run.record.exclusions_to_fail = 2;
+  for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
+  run.actors.at(2).answer = Lie;
+  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.record.exclusions_to_fail, 0);
+  EXPECT_TRUE(run.record.excluded.contains("host2"));
+}
+
 TEST(AuditedRunTest, AnExclusionOutlivesTheLearner) {
   FakeRun first;
   first.setup.rules.audit = {1, 1};

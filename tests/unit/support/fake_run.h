@@ -79,7 +79,13 @@ class FakeRecord final : public RunRecord {
   }
   [[nodiscard]] std::string LatestCheckpoint() const override { return "checkpoint"; }
   void Started(const TrainState& state) override { started_at = state.version; }
-  void Excluded(const ExcludedHosts& hosts) override { excluded = hosts; }
+  void Excluded(const ExcludedHosts& hosts) override {
+    if (exclusions_to_fail > 0) {
+      --exclusions_to_fail;
+      throw std::system_error(ENOSPC, std::generic_category(), "excluded.json");
+    }
+    excluded = hosts;
+  }
   void Updated(const UpdateReport& report, const WallReport& wall) override {
     walls.push_back(wall);
     updates.push_back(report.version);
@@ -94,6 +100,7 @@ class FakeRecord final : public RunRecord {
   bool interrupted = false;
   std::optional<std::uint64_t> started_at;
   ExcludedHosts excluded;
+  int exclusions_to_fail = 0;
   std::vector<TrainState> saved;
   std::vector<std::size_t> orders_before_save;
   std::vector<std::uint64_t> updates;
