@@ -21,7 +21,8 @@ namespace metronome {
 /// 2: the configuration names the heads' schedule and the critic's heads (1: blocks, separate).
 /// 3: and the correlation of exploration noise (before: 0).
 /// 4: and what success adds to the reward (before: 0).
-inline constexpr std::uint32_t kCheckpointFormat = 4;
+/// 5: and what is added to the variance of observations (before: 1e-8).
+inline constexpr std::uint32_t kCheckpointFormat = 5;
 /// What is read: from here to kCheckpointFormat.
 inline constexpr std::uint32_t kOldestCheckpointFormat = 1;
 

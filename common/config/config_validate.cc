@@ -39,6 +39,7 @@ const std::map<std::string, Range>& Ranges() {
       // Times the largest weight that a snapshot may have (common/policy/snapshot.cc): a finite
       // float32.
       {"policy.observation_clip", {0, 1e9, true}},
+      {"policy.observation_epsilon", {1e-16, 1}},
       {"policy.noise_correlation", {0, 0.999}},
       {"ppo.learning_rate", {0, kUnbounded, true}},
       {"ppo.learning_rate_floor", {0, 1}},

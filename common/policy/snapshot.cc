@@ -32,7 +32,7 @@ std::optional<std::string> Beyond(const char* what, const float* begin, const fl
 }
 
 PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor, std::size_t actor_size,
-                            const RunningStatistics& observation) {
+                            const RunningStatistics& observation, const PolicyConfig& config) {
   PolicySnapshot snapshot;
   snapshot.version = version;
   snapshot.parameters.assign(actor, actor + actor_size);
@@ -42,7 +42,8 @@ PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor, std::size
     for (std::size_t i = 0; i < kObservationSize; ++i) {
       const double variance = observation.m2[i] / observation.count;
       snapshot.observation_mean[i] = float(observation.mean[i]);
-      snapshot.observation_inv_std[i] = float(1 / std::sqrt(variance + 1e-8));
+      snapshot.observation_inv_std[i] =
+          float(1 / std::sqrt(variance + config.observation_epsilon()));
     }
   }
   return snapshot;
@@ -52,7 +53,7 @@ PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor, std::size
 
 PolicySnapshot SnapshotOf(const TrainState& state, const RunConfig& config) {
   return MakeSnapshot(state.version, state.parameters.data(), ActorLayout(ShapeOf(config)).size,
-                      state.observation);
+                      state.observation, config.policy());
 }
 
 PolicySnapshot PreviousSnapshotOf(const TrainState& state, const RunConfig& config) {
@@ -62,7 +63,7 @@ PolicySnapshot PreviousSnapshotOf(const TrainState& state, const RunConfig& conf
                            " has no previous snapshot");
   }
   return MakeSnapshot(state.version - 1, state.previous_actor.data(), size,
-                      state.previous_observation);
+                      state.previous_observation, config.policy());
 }
 
 std::optional<std::string> SnapshotDefect(const PolicySnapshot& snapshot, const RunConfig& config) {

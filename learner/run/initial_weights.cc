@@ -61,8 +61,9 @@ TrainingDifferences DifferencesFrom(const Checkpoint& source, const RunConfig& c
   for (const auto& [path, here] : TextsOf(config)) {
     const bool of_environment = path.starts_with("environment.");
     const bool of_heads = path == "policy.schedule" && config.policy().heads() > 1;
-    const bool of_policy =
-        of_heads || path == "policy.observation_clip" || path == "policy.noise_correlation";
+    const bool of_policy = of_heads || path == "policy.observation_clip" ||
+                           path == "policy.observation_epsilon" ||
+                           path == "policy.noise_correlation";
     if (there.at(path) == here || !(of_environment || of_policy)) continue;
     (of_heads ? differences.doubtful : differences.intended)
         .push_back(DifferenceOf(path, there.at(path), here));

@@ -272,6 +272,7 @@ TEST(ValidateTest, EachNumberHasItsRange) {
        {"nan", "inf", "-inf", "-20.1", "20.1"},
        {"-20", "-0.5", "1", "20"}},
       {"policy.observation_clip", {"0", "-1", "inf", "1.1e9"}, {"5", "1e9"}},
+      {"policy.observation_epsilon", {"0", "9e-17", "1.1", "nan"}, {"1e-16", "1e-8", "1"}},
       {"ppo.learning_rate", {"nan", "inf", "-1e-3", "0"}, {"1e-9", "1e30"}},
       {"ppo.learning_rate_floor", {"-0.1", "1.1", "nan"}, {"0", "1"}},
       {"ppo.adam_epsilon", {"0", "nan"}, {"1e-8"}},

@@ -214,5 +214,18 @@ TEST(PolicyTest, RefusesAScheduleOfAnotherNumberOfHeads) {
   EXPECT_THROW((void)policy.ActAround(four, {}, 0, {}), std::invalid_argument);
 }
 
+// An input that was constant in training may move later: what it is multiplied by is bounded.
+TEST(SnapshotTest, AddsTheConfiguredEpsilonToTheVariance) {
+  RunConfig config = SmallConfig();
+  TrainState state = Trainer::InitialState(config);
+  state.observation = {std::vector<double>(39, 0), std::vector<double>(39, 0), 100};
+  state.observation.m2[1] = 300;
+  EXPECT_EQ(SnapshotOf(state, config).observation_inv_std[0], 1e4F) << "as ever, by default";
+  config.mutable_policy()->set_observation_epsilon(1e-4);
+  const PolicySnapshot snapshot = SnapshotOf(state, config);
+  EXPECT_FLOAT_EQ(snapshot.observation_inv_std[0], 100);
+  EXPECT_FLOAT_EQ(snapshot.observation_inv_std[1], float(1 / std::sqrt(3 + 1e-4)));
+}
+
 }  // namespace
 }  // namespace metronome
