@@ -172,13 +172,25 @@ std::unique_ptr<MetricsServer> MetricsServerOf(const RunConfig& config) {
   return std::make_unique<MetricsServer>(ParseListenAddress(address));
 }
 
+/// Whatever is thrown once the run is served, it is not for what was asked: kExitUsage would tell
+/// services not to start again.
+int RunToItsEnd(Coordinator& coordinator) {
+  try {
+    return coordinator.Run();
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return kExitFailure;
+  }
+}
+
 int Serve(const RunOptions& options, StopTarget& target) {
   const BusOptions bus_options = BusOptionsOf(options);
   CheckMachineOfLearner(bus_options);
-  const auto metrics = MetricsServerOf(options.config);
   RunFolder folder(options.folder);
+  const auto metrics = MetricsServerOf(options.config);  // a rival has the port, too
   RunStart start = StartOf(options);
-  TrainerLearning learning(options.config, start.checkpoint.state, ThreadsOf(options.config));
+  TrainerLearning learning(options.config, start.checkpoint.state, ThreadsOf(options.config),
+                           RandomId());
   start.checkpoint.incarnation = folder.NextIncarnation(start.checkpoint.incarnation);
   start.checkpoint.build = BuildIdentity();
   CoordinatorSetup setup = SetupOf(options, start);
@@ -196,7 +208,7 @@ int Serve(const RunOptions& options, StopTarget& target) {
   target.Set(&coordinator);
   const auto clear = [&target](Coordinator*) { target.Set(nullptr); };
   const std::unique_ptr<Coordinator, decltype(clear)> set(&coordinator, clear);
-  const int status = coordinator.Run();
+  const int status = RunToItsEnd(coordinator);
   spdlog::info("{}", CpuTimes::OfProcess().Report());
   return status;
 }

@@ -14,7 +14,8 @@ enum class RandomPurpose : std::uint64_t {
   kInitialise = 3,
   kShuffle = 4,
   kHeadOrder = 5,
-  kAudit = 6
+  kAudit = 6,
+  kCheck = 7
 };
 
 /// Which draw inside a train or evaluate episode; see RandomStream's `t`.

@@ -120,11 +120,9 @@ std::optional<std::string> CheckEveryStep(Recomputation& of) {
   return std::nullopt;
 }
 
-// The sample is seeded, by a counter that no action uses.
-std::optional<std::string> CheckSample(Recomputation& of) {
+std::optional<std::string> CheckSample(Recomputation& of, std::uint64_t key) {
   for (std::int32_t t = 0; t < of.episode.length(); ++t) {
-    RandomStream random(RandomPurpose::kShuffle, of.config.seed(), ~of.episode.number,
-                        std::uint64_t(t));
+    RandomStream random(RandomPurpose::kCheck, key, of.episode.number, std::uint64_t(t));
     if (random.Uniform() >= of.config.collection().check_share()) continue;
     const auto mean = of.policy.Mean(of.schedule, of.ObservationAt(t), t);
     if (auto reason = CheckStep(of, t, mean)) return reason;
@@ -135,7 +133,7 @@ std::optional<std::string> CheckSample(Recomputation& of) {
 }  // namespace
 
 std::optional<std::string> CheckEpisode(const Episode& episode, Policy& policy,
-                                        const RunConfig& config) {
+                                        const RunConfig& config, std::uint64_t key) {
   if (episode.weights_version != policy.version()) {
     return "weights version " + std::to_string(episode.weights_version) + " instead of " +
            std::to_string(policy.version());
@@ -146,7 +144,7 @@ std::optional<std::string> CheckEpisode(const Episode& episode, Policy& policy,
   const HeadSchedule schedule(config, TrainingEpisode(config, episode.number));
   if (auto reason = CheckSchedule(episode, schedule)) return reason;
   Recomputation of{episode, config, schedule, policy, ActionNoise(config, episode.number)};
-  return config.collection().check_share() >= 1 ? CheckEveryStep(of) : CheckSample(of);
+  return config.collection().check_share() >= 1 ? CheckEveryStep(of) : CheckSample(of, key);
 }
 
 }  // namespace metronome

@@ -17,9 +17,11 @@ inline constexpr float kLargestObservation = 1e6F;
 /// Why an episode cannot be right, or std::nullopt if it can: lengths, version, finiteness, range,
 /// flags, heads against the schedule of the run and of the episode's number, and - step by step
 /// with the function that actors use - action and log-probability, which must have equal bits.
+/// @param key     decides which steps are recomputed where collection.check_share is below 1; no
+///                actor may know it, so not the run's seed.
 /// @param policy  of the version that the episode should have been played under; its scratch space
 ///                is used. One thread at a time.
 std::optional<std::string> CheckEpisode(const Episode& episode, Policy& policy,
-                                        const RunConfig& config);
+                                        const RunConfig& config, std::uint64_t key);
 
 }  // namespace metronome

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <deque>
 #include <utility>
 
@@ -15,8 +16,9 @@ namespace metronome {
 /// The real thing behind the coordinator's seam: multi-head PPO and the check of episodes.
 class TrainerLearning final : public Learning {
  public:
-  TrainerLearning(const RunConfig& config, TrainState state, int threads)
-      : config_(config), trainer_(config, std::move(state), threads) {}
+  /// @param check_key  see CheckEpisode.
+  TrainerLearning(const RunConfig& config, TrainState state, int threads, std::uint64_t check_key)
+      : config_(config), check_key_(check_key), trainer_(config, std::move(state), threads) {}
 
   [[nodiscard]] const TrainState& state() const override { return trainer_.state(); }
   UpdateReport Update(const std::vector<Episode>& batch) override {
@@ -32,7 +34,7 @@ class TrainerLearning final : public Learning {
   [[nodiscard]] std::optional<std::string> Check(const Episode& episode,
                                                  const PolicySnapshot& snapshot) const override {
     const CpuTimer timer(CpuUse::kCheck);
-    return CheckEpisode(episode, PolicyOf(snapshot), config_);
+    return CheckEpisode(episode, PolicyOf(snapshot), config_, check_key_);
   }
 
  private:
@@ -47,6 +49,7 @@ class TrainerLearning final : public Learning {
   }
 
   RunConfig config_;
+  std::uint64_t check_key_;
   Trainer trainer_;
   mutable std::deque<Policy> policies_;  // of the latest versions checked
 };

@@ -12,15 +12,21 @@
 namespace metronome {
 
 FileRunRecord::FileRunRecord(std::string folder, Checkpoint first, ProgressPrinter printer)
-    : folder_(std::move(folder)), checkpoint_(std::move(first)), printer_(std::move(printer)) {}
+    : folder_(std::move(folder)), checkpoint_(std::move(first)), printer_(std::move(printer)) {
+  if (checkpoint_.logs.progress_bytes > 0) ProgressLog::RequireHeader(ProgressPath(), Heads());
+}
+
+std::string FileRunRecord::ProgressPath() const { return folder_ + "/progress.csv"; }
+
+std::size_t FileRunRecord::Heads() const {
+  return static_cast<std::size_t>(checkpoint_.config.policy().heads());
+}
 
 void FileRunRecord::Begin() {
   WriteFileAtomically(ConfigPathOf(folder_), PrintConfig(checkpoint_.config));
   store_.emplace(folder_ + "/checkpoints", checkpoint_.config.runtime().checkpoint_keep(),
                  checkpoint_.config.runtime().milestone_every());
-  progress_.emplace(folder_ + "/progress.csv",
-                    static_cast<std::size_t>(checkpoint_.config.policy().heads()),
-                    checkpoint_.logs.progress_bytes);
+  progress_.emplace(ProgressPath(), Heads(), checkpoint_.logs.progress_bytes);
   events_.emplace(folder_ + "/" + TensorBoardLog::kFileName, checkpoint_.logs.events_bytes);
 }
 

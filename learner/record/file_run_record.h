@@ -19,6 +19,7 @@ class FileRunRecord final : public RunRecord {
   /// @param folder       exists.
   /// @param first        the checkpoint gone on from (its logs say where to cut), else one of
   ///                     version 0; config, engine, build and incarnation are written from it.
+  /// @throws std::invalid_argument with the remedy if the run's progress.csv has other columns.
   FileRunRecord(std::string folder, Checkpoint first, ProgressPrinter printer);
 
   void Begin() override;
@@ -31,6 +32,9 @@ class FileRunRecord final : public RunRecord {
   void Interrupted(const TrainState& state) override;
 
  private:
+  [[nodiscard]] std::string ProgressPath() const;
+  [[nodiscard]] std::size_t Heads() const;
+
   std::string folder_;
   Checkpoint checkpoint_;  // what Save writes; its state changes
   ProgressPrinter printer_;

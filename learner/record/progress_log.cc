@@ -1,5 +1,9 @@
 #include "learner/record/progress_log.h"
 
+#include <filesystem>
+#include <stdexcept>
+
+#include "common/process/files.h"
 #include "common/text/number_text.h"
 
 namespace metronome {
@@ -30,6 +34,17 @@ std::string HeaderOf(std::size_t heads) {
 }
 
 }  // namespace
+
+void ProgressLog::RequireHeader(const std::string& path, std::size_t heads) {
+  if (!std::filesystem::exists(path)) return;
+  const std::string content = ReadFile(path);
+  const std::size_t size = content.find('\n') + 1;
+  if (size == 0 || content.substr(0, size) == HeaderOf(heads)) return;
+  throw std::invalid_argument(
+      path +
+      " has other columns than this build writes: go on with the build that wrote it, or move the "
+      "file away, and a new one begins with the next update");
+}
 
 ProgressLog::ProgressLog(const std::string& path, std::size_t heads, std::uint64_t keep_bytes)
     : file_(path, keep_bytes, WholeLines) {

@@ -14,6 +14,10 @@ namespace metronome {
 /// ones. Columns: learner/README.md. Not thread-safe.
 class ProgressLog {
  public:
+  /// Of a file that is to be gone on with: rows of this build under another header would be taken
+  /// for other columns. @throws std::invalid_argument with the remedy.
+  static void RequireHeader(const std::string& path, std::size_t heads);
+
   /// @param heads       k of the run.
   /// @param keep_bytes  LogOffsets::progress_bytes of the checkpoint gone on from; 0: a new file.
   /// @throws std::system_error, see RecordFile.

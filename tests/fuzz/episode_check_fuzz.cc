@@ -76,6 +76,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const metronome::RunConfig config = metronome::SmallRun();
   static metronome::Policy policy(config, metronome::SomeSnapshot(config));
   const auto episode = metronome::EpisodeOf(metronome::Input(data, size));
-  (void)metronome::CheckEpisode(episode, policy, config);
+  (void)metronome::CheckEpisode(episode, policy, config, 1);
   return 0;
 }

@@ -125,6 +125,11 @@ def test_alerts_are_raised_for_runs_that_need_somebody_and_for_no_others():
         assert verdict.returncode == 0, verdict.stdout + verdict.stderr
 
 
+def test_a_second_learner_of_a_run_is_told_of_the_first_and_not_of_the_port(stage, run):
+    second = stage.learner("shown", "--metrics", run[2].split("/")[2], "--resume", small=ENDLESS)
+    assert second.wait(30) == 4, second
+
+
 def test_a_port_in_use_is_named_before_anything_starts(stage):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         place = f"127.0.0.1:{taken.getsockname()[1]}"

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -15,6 +17,8 @@
 
 namespace metronome {
 namespace {
+
+constexpr std::uint64_t kCheckKey = 99;
 
 using testing::SmallConfig;
 using testing::SyntheticBatch;
@@ -220,12 +224,12 @@ TEST(EpisodeCheckTest, AcceptsTheActorsEpisodeAndNamesWhatIsWrongWithOthers) {
   const PolicySnapshot snapshot = SnapshotOf(state, config);
   Policy policy(config, snapshot);
   const Episode good = testing::SyntheticEpisode(config, snapshot, 6);
-  EXPECT_EQ(CheckEpisode(good, policy, config), std::nullopt);
+  EXPECT_EQ(CheckEpisode(good, policy, config, kCheckKey), std::nullopt);
 
   const auto reason_of = [&](auto spoil) {
     Episode bad = good;
     spoil(bad);
-    return CheckEpisode(bad, policy, config).value_or("accepted");
+    return CheckEpisode(bad, policy, config, kCheckKey).value_or("accepted");
   };
   const auto expect_reason = [&](const std::string& reason, const std::string& part) {
     EXPECT_NE(reason.find(part), std::string::npos) << reason;
@@ -269,7 +273,7 @@ TEST(EpisodeCheckTest, RefusesTheHeadsOfAnotherSchedule) {
       Episode episode = testing::SyntheticEpisode(config, snapshot, 6);
       config.mutable_policy()->set_schedule(asked);
       Policy policy(config, snapshot);
-      const auto reason = CheckEpisode(episode, policy, config).value_or("accepted");
+      const auto reason = CheckEpisode(episode, policy, config, kCheckKey).value_or("accepted");
       if (played == asked) {
         EXPECT_EQ(reason, "accepted");
         continue;
@@ -277,7 +281,7 @@ TEST(EpisodeCheckTest, RefusesTheHeadsOfAnotherSchedule) {
       EXPECT_NE(reason.find("the schedule gives"), std::string::npos) << reason;
       const HeadSchedule schedule(config, TrainingEpisode(config, 6));
       for (int t = 0; t < 40; ++t) episode.head[t] = std::uint16_t(schedule.HeadAt(t));
-      const auto disguised = CheckEpisode(episode, policy, config).value_or("accepted");
+      const auto disguised = CheckEpisode(episode, policy, config, kCheckKey).value_or("accepted");
       EXPECT_NE(disguised.find("log-probability"), std::string::npos) << disguised;
     }
   }
@@ -292,16 +296,16 @@ TEST(EpisodeCheckTest, RefusesTheHeadOrderOfAnotherEpisodeOrSeed) {
   int refused = 0;
   for (std::uint64_t number = 0; number < 20; ++number) {
     Episode episode = testing::SyntheticEpisode(config, snapshot, number);
-    EXPECT_EQ(CheckEpisode(episode, policy, config), std::nullopt);
+    EXPECT_EQ(CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
     ++episode.number;
-    const auto reason = CheckEpisode(episode, policy, config).value_or("accepted");
+    const auto reason = CheckEpisode(episode, policy, config, kCheckKey).value_or("accepted");
     EXPECT_NE(reason, "accepted");
     refused += reason.find("the schedule gives") != std::string::npos ? 1 : 0;
   }
   EXPECT_GE(refused, 12) << "of 20 neighbours, a sixth has the same order of three heads";
   Episode episode = testing::SyntheticEpisode(config, snapshot, 0);
   config.set_seed(8);
-  EXPECT_NE(CheckEpisode(episode, policy, config), std::nullopt);
+  EXPECT_NE(CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
 }
 
 TEST(EpisodeCheckTest, TheLastStepsOfAHorizonThatIsNoMultipleOfFourAreCheckedToo) {
@@ -310,9 +314,9 @@ TEST(EpisodeCheckTest, TheLastStepsOfAHorizonThatIsNoMultipleOfFourAreCheckedToo
   const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
   Policy policy(config, snapshot);
   Episode episode = testing::SyntheticEpisode(config, snapshot, 6);
-  EXPECT_EQ(CheckEpisode(episode, policy, config), std::nullopt);
+  EXPECT_EQ(CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
   episode.log_prob[42] = std::nextafter(episode.log_prob[42], 9.0F);
-  EXPECT_NE(CheckEpisode(episode, policy, config).value_or("accepted").find("step 42"),
+  EXPECT_NE(CheckEpisode(episode, policy, config, kCheckKey).value_or("accepted").find("step 42"),
             std::string::npos);
 }
 
@@ -326,11 +330,32 @@ TEST(EpisodeCheckTest, ASampleFindsAWrongStepInItAndNoOther) {
   for (std::size_t t = 0; t < good.log_prob.size(); ++t) {
     Episode bad = good;
     bad.log_prob[t] += 1;
-    found += CheckEpisode(bad, policy, config).has_value() ? 1 : 0;
+    found += CheckEpisode(bad, policy, config, kCheckKey).has_value() ? 1 : 0;
   }
-  EXPECT_EQ(CheckEpisode(good, policy, config), std::nullopt);
+  EXPECT_EQ(CheckEpisode(good, policy, config, kCheckKey), std::nullopt);
   EXPECT_GE(found, 5);
   EXPECT_LE(found, 20);
+}
+
+// Actors know the run's seed and every episode's number: they must not know which steps to get
+// right.
+TEST(EpisodeCheckTest, TheKeyDecidesWhatIsSampledAndTheRunSeedDoesNot) {
+  RunConfig config = SmallConfig();
+  config.mutable_collection()->set_check_share(0.3);
+  const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
+  Policy policy(config, snapshot);
+  const Episode good = testing::SyntheticEpisode(config, snapshot, 6);
+  std::set<std::vector<bool>> samples;
+  for (std::uint64_t key = 0; key < 5; ++key) {
+    std::vector<bool> sample;
+    for (std::size_t t = 0; t < good.log_prob.size(); ++t) {
+      Episode bad = good;
+      bad.log_prob[t] += 1;
+      sample.push_back(CheckEpisode(bad, policy, config, key).has_value());
+    }
+    samples.insert(sample);
+  }
+  EXPECT_EQ(samples.size(), 5U);
 }
 
 TEST(EpisodeCheckTest, AToleranceLetsSmallDifferencesPassAndNoLargeOnes) {
@@ -340,9 +365,9 @@ TEST(EpisodeCheckTest, AToleranceLetsSmallDifferencesPassAndNoLargeOnes) {
   Episode episode = testing::SyntheticEpisode(config, snapshot, 6);
   episode.log_prob[9] += 1e-5F;
   config.mutable_collection()->set_check_tolerance(1e-4);
-  EXPECT_EQ(CheckEpisode(episode, policy, config), std::nullopt);
+  EXPECT_EQ(CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
   episode.log_prob[9] += 1e-2F;
-  EXPECT_NE(CheckEpisode(episode, policy, config), std::nullopt);
+  EXPECT_NE(CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
 }
 
 }  // namespace

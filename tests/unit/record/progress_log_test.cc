@@ -223,5 +223,16 @@ TEST(FormatNumberTest, IsTheShortestTextThatReadsBack) {
   EXPECT_EQ(FormatNumber(2), "2");
 }
 
+TEST_F(ProgressLogTest, AFileWithOtherColumnsIsNotGoneOnWith) {
+  const std::string other = "steps,update,of_another_build\n8000,1,5\n";
+  std::ofstream(path_) << other;
+  EXPECT_THROW(ProgressLog::RequireHeader(path_, 2), std::invalid_argument);
+  std::filesystem::remove(path_);
+  ProgressLog::RequireHeader(path_, 2);
+  ProgressLog(path_, 2, 0).Append(MetricsOf(Report(1), {}));
+  ProgressLog::RequireHeader(path_, 2);
+  EXPECT_THROW(ProgressLog::RequireHeader(path_, 3), std::invalid_argument) << "columns per head";
+}
+
 }  // namespace
 }  // namespace metronome
