@@ -1,11 +1,12 @@
 #include "common/config/config_fields.h"
 
+#include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/text_format.h>
+
 #include <algorithm>
 #include <cctype>
-#include <optional>
 
 #include "common/text/near_miss.h"
-#include "common/text/number_text.h"
 
 namespace metronome {
 namespace {
@@ -15,6 +16,7 @@ using google::protobuf::EnumDescriptor;
 using google::protobuf::EnumValueDescriptor;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
+using google::protobuf::TextFormat;
 
 bool IsMessage(const FieldDescriptor& field) {
   return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
@@ -63,62 +65,52 @@ std::string Expected(const FieldDescriptor& field) {
   }
 }
 
-[[noreturn]] void FailType(const std::string& path, const std::string& text,
-                           const FieldDescriptor& field) {
-  throw ConfigError(path + " is \"" + text + "\": must be " + Expected(field));
+/// Whoever reads a value says what is wrong with it; without this Protobuf would log it too.
+class NoErrors : public google::protobuf::io::ErrorCollector {
+ public:
+  void AddError(int, google::protobuf::io::ColumnNumber, const std::string&) override {}
+};
+
+/// Reads one value in text format; a repeated field gets one more.
+bool ParseValue(Message& owner, const FieldDescriptor& field, const std::string& text) {
+  NoErrors errors;
+  TextFormat::Parser parser;
+  parser.RecordErrorsTo(&errors);
+  return parser.ParseFieldValueFromString(text, &field, &owner);
 }
 
-template <typename T>
-T Parse(const std::string& path, const std::string& text, const FieldDescriptor& field) {
-  const auto value = ParseNumber<T>(text);
-  if (!value) FailType(path, text, field);
-  return *value;
+/// @param index  -1 unless the field is repeated.
+std::string PrintValue(const Message& owner, const FieldDescriptor& field, int index) {
+  std::string text;
+  TextFormat::PrintFieldValueToString(owner, &field, index, &text);
+  return text;
 }
 
-bool ParseBool(const std::string& path, const std::string& text, const FieldDescriptor& field) {
-  if (text == "true" || text == "1") return true;
-  if (text == "false" || text == "0") return false;
-  FailType(path, text, field);
-}
-
-// The configuration has one kind of list: int32.
-void SetList(Message& owner, const std::string& path, const std::string& text,
-             const FieldDescriptor& field) {
-  std::vector<std::int32_t> values;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    values.push_back(Parse<std::int32_t>(path, text.substr(begin, end - begin), field));
-    begin = end + 1;
+/// Sets one value from what people write; a repeated field gets one more.
+void AddValue(Message& owner, const std::string& path, const std::string& text,
+              const FieldDescriptor& field) {
+  std::string value = text;
+  if (const EnumDescriptor* type = field.enum_type()) {
+    const EnumValueDescriptor* found = FindEnumValue(*type, text);
+    if (!found) throw ConfigError(UnknownName("value of " + path, text, EnumWords(*type)));
+    value = found->name();
   }
-  owner.GetReflection()->ClearField(&owner, &field);
-  for (const std::int32_t value : values) owner.GetReflection()->AddInt32(&owner, &field, value);
+  if (ParseValue(owner, field, value)) return;
+  throw ConfigError(path + " is \"" + text + "\": must be " + Expected(field));
 }
 
 void SetLeaf(Message& owner, const std::string& path, const std::string& text,
              const FieldDescriptor& field) {
-  if (field.is_repeated()) return SetList(owner, path, text, field);
   const auto* reflection = owner.GetReflection();
-  switch (field.cpp_type()) {
-    case FieldDescriptor::CPPTYPE_INT32:
-      return reflection->SetInt32(&owner, &field, Parse<std::int32_t>(path, text, field));
-    case FieldDescriptor::CPPTYPE_UINT32:
-      return reflection->SetUInt32(&owner, &field, Parse<std::uint32_t>(path, text, field));
-    case FieldDescriptor::CPPTYPE_UINT64:
-      return reflection->SetUInt64(&owner, &field, Parse<std::uint64_t>(path, text, field));
-    case FieldDescriptor::CPPTYPE_DOUBLE:
-      return reflection->SetDouble(&owner, &field, Parse<double>(path, text, field));
-    case FieldDescriptor::CPPTYPE_BOOL:
-      return reflection->SetBool(&owner, &field, ParseBool(path, text, field));
-    case FieldDescriptor::CPPTYPE_STRING:
-      return reflection->SetString(&owner, &field, text);
-    case FieldDescriptor::CPPTYPE_ENUM: {
-      const EnumValueDescriptor* value = FindEnumValue(*field.enum_type(), text);
-      if (!value)
-        throw ConfigError(UnknownName("value of " + path, text, EnumWords(*field.enum_type())));
-      return reflection->SetEnum(&owner, &field, value);
-    }
-    default:
-      throw std::logic_error(path + ": a field type that configurations do not have");
+  if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING) {
+    return reflection->SetString(&owner, &field, text);
+  }
+  reflection->ClearField(&owner, &field);
+  if (!field.is_repeated()) return AddValue(owner, path, text, field);
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    AddValue(owner, path, text.substr(begin, end - begin), field);
+    begin = end + 1;
   }
 }
 
@@ -156,9 +148,17 @@ const FieldDescriptor& FindStep(const Message& owner, const std::string& path, s
   return *field;
 }
 
-// Copies one set leaf; both messages have the same type.
-void CopyLeaf(Message& to, const Message& from, const FieldDescriptor& field) {
-  SetLeaf(to, field.name(), FieldText(from, field), field);
+/// Clears in `base` each list that `top` sets; merging would append to it.
+void ClearLists(Message& base, const Message& top) {
+  std::vector<const FieldDescriptor*> fields;
+  top.GetReflection()->ListFields(top, &fields);
+  for (const FieldDescriptor* field : fields) {
+    if (field->is_repeated())
+      base.GetReflection()->ClearField(&base, field);
+    else if (IsMessage(*field))
+      ClearLists(*base.GetReflection()->MutableMessage(&base, field),
+                 top.GetReflection()->GetMessage(top, field));
+  }
 }
 
 }  // namespace
@@ -185,28 +185,15 @@ std::string FieldText(const Message& owner, const FieldDescriptor& field) {
     std::string text;
     for (int i = 0; i < reflection->FieldSize(owner, &field); ++i) {
       if (i > 0) text += ',';
-      text += std::to_string(reflection->GetRepeatedInt32(owner, &field, i));
+      text += PrintValue(owner, field, i);
     }
     return text;
   }
-  switch (field.cpp_type()) {
-    case FieldDescriptor::CPPTYPE_INT32:
-      return std::to_string(reflection->GetInt32(owner, &field));
-    case FieldDescriptor::CPPTYPE_UINT32:
-      return std::to_string(reflection->GetUInt32(owner, &field));
-    case FieldDescriptor::CPPTYPE_UINT64:
-      return std::to_string(reflection->GetUInt64(owner, &field));
-    case FieldDescriptor::CPPTYPE_DOUBLE:
-      return FormatNumber(reflection->GetDouble(owner, &field));
-    case FieldDescriptor::CPPTYPE_BOOL:
-      return reflection->GetBool(owner, &field) ? "true" : "false";
-    case FieldDescriptor::CPPTYPE_ENUM:
-      return Word(*reflection->GetEnum(owner, &field));
-    case FieldDescriptor::CPPTYPE_STRING:
-      return reflection->GetString(owner, &field);
-    default:
-      throw std::logic_error(field.name() + ": a field type that configurations do not have");
+  if (field.enum_type()) return Word(*reflection->GetEnum(owner, &field));
+  if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING) {
+    return reflection->GetString(owner, &field);
   }
+  return PrintValue(owner, field, -1);
 }
 
 void SetField(Message& message, const std::string& path, const std::string& text) {
@@ -222,16 +209,8 @@ void SetField(Message& message, const std::string& path, const std::string& text
 }
 
 void Overlay(Message& base, const Message& top) {
-  const auto* reflection = top.GetReflection();
-  std::vector<const FieldDescriptor*> fields;
-  reflection->ListFields(top, &fields);
-  for (const FieldDescriptor* field : fields) {
-    if (IsMessage(*field))
-      Overlay(*base.GetReflection()->MutableMessage(&base, field),
-              reflection->GetMessage(top, field));
-    else
-      CopyLeaf(base, top, *field);
-  }
+  ClearLists(base, top);
+  base.MergeFrom(top);
 }
 
 void FillDefaults(Message& message) {
@@ -241,9 +220,8 @@ void FillDefaults(Message& message) {
     const FieldDescriptor& field = *type.field(i);
     if (IsMessage(field))
       FillDefaults(*reflection->MutableMessage(&message, &field));
-    else if (!field.is_repeated() && field.has_default_value() &&
-             !reflection->HasField(message, &field))
-      CopyLeaf(message, message, field);
+    else if (field.has_default_value() && !reflection->HasField(message, &field))
+      ParseValue(message, field, PrintValue(message, field, -1));
   }
 }
 

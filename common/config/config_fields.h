@@ -34,13 +34,14 @@ using FieldVisitor =
 /// Visits every leaf of the configuration, set or not, in declaration order.
 void VisitFields(const google::protobuf::Message& message, const FieldVisitor& visit);
 
-/// A leaf's value (its default if unset) as people write it: numbers in shortest form, enums as
-/// words, repeated fields joined by commas.
+/// A leaf's value (its default if unset) as people write it: numbers as in a configuration file,
+/// enums as words, strings without quotes, repeated fields joined by commas.
 std::string FieldText(const google::protobuf::Message& owner,
                       const google::protobuf::FieldDescriptor& field);
 
-/// Sets the leaf at `path` from text; a repeated leaf takes a comma-separated list, which replaces
-/// what was there. Types and ranges of types are checked, ranges of meaning are Validate's.
+/// Sets the leaf at `path` from text, which is written as FieldText does, numbers in any way that a
+/// file takes; a repeated leaf takes a comma-separated list, which replaces what was there. If it
+/// throws, the leaf may be unset. Types and ranges of types are checked, ranges of meaning are Validate's.
 /// @throws ConfigError for an unknown path (near miss and list of that message's fields), a path
 ///         that is no leaf, or a text of another type.
 void SetField(google::protobuf::Message& message, const std::string& path, const std::string& text);

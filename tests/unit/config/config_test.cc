@@ -144,6 +144,31 @@ TEST(ParseConfigTest, ErrorsNameFileLineAndColumn) {
   EXPECT_EQ(ParseErrorOf("seed: -1").substr(0, 13), "run.cfg:1:7: ");
 }
 
+TEST(ParseConfigTest, AWordIsJudgedByItsPlaceInTheFile) {
+  const std::string unknown =
+      "unknown setting of runtime \"transprt\"; did you mean \"transport\"?";
+  for (const std::string before :
+       {"runtime { network: 'a' \"b\" ", "policy < hidden: [8, 8]; heads: -1, > runtime: { ",
+        "policy { method: PPO } ppo { clip: .1f kl_stop: 1 } runtime { ",
+        "environment { goal_visible: t placements: 2 }  # { sed: 1\nruntime { "}) {
+    EXPECT_NE(ParseErrorOf(before + "transprt: 'tcp' }").find(": " + unknown), std::string::npos)
+        << before;
+  }
+  EXPECT_EQ(
+      ParseErrorOf("environment {\n  goal_visible: maybe\n}"),
+      "run.cfg:2:17: unknown value of environment.goal_visible \"maybe\". Known: true, false, "
+      "True, False, t, f");
+  EXPECT_EQ(ParseErrorOf("ppo { clip: 0.2 }\nppo { clip: 0.1 }"), "run.cfg:2:1: ppo is set twice");
+  EXPECT_EQ(ParseErrorOf("ppo { clip: 0.2\n  clip: 0.1 }"), "run.cfg:2:3: ppo.clip is set twice");
+}
+
+TEST(ParseConfigTest, TheFirstErrorIsTold) {
+  EXPECT_EQ(ParseErrorOf("seed = 1\nsed: 2").substr(0, 13), "run.cfg:1:6: ");
+  EXPECT_EQ(ParseErrorOf("seed: one\nsed: 2").substr(0, 13), "run.cfg:1:7: ");
+  EXPECT_EQ(ParseErrorOf("ppo {\n  clip: 'x'\n}\nsed: 2").substr(0, 13), "run.cfg:2:9: ");
+  EXPECT_EQ(ParseErrorOf("sed: 2\nseed: one").substr(0, 13), "run.cfg:1:1: ");
+}
+
 TEST(ParseConfigTest, AFileOfAnEditorOfWindowsIsRead) {
   const std::string text = "\xef\xbb\xbf# notes\r\nseed: 3\r\nppo {\r\n  clip: 0.1\r\n}\r\n";
   const ParsedConfig parsed = ParseConfigText(text, "run.cfg");
