@@ -54,35 +54,49 @@ void CheckEpisodeSizes(const Episode& episode) {
   CheckExactly(episode.flags.size(), steps, "flags");
 }
 
+// What a field of a status is on the wire, there and back.
+
+template <class T>
+void CopyField(const T& field, const char*, T* out) {
+  *out = field;
+}
+
+template <std::size_t Size>
+void CopyField(const std::string& field, const char* name,
+               eprosima::fastrtps::fixed_string<Size>* out) {
+  CopyText(field, name, out);
+}
+
+template <std::size_t Size>
+void CopyField(const eprosima::fastrtps::fixed_string<Size>& field, const char*, std::string* out) {
+  *out = field.to_string();
+}
+
+void CopyField(const LearnerState& field, const char*, std::uint8_t* out) {
+  *out = static_cast<std::uint8_t>(field);
+}
+
+void CopyField(const std::uint8_t& field, const char* name, LearnerState* out) {
+  if (field > static_cast<std::uint8_t>(LearnerState::kStopped)) {
+    throw Malformed(name + (" " + std::to_string(field)) + " of learner is unknown");
+  }
+  *out = static_cast<LearnerState>(field);
+}
+
+#define METRONOME_TO_WIRE(type, name, ...) CopyField(message.name, #name, &sample.name());
+#define METRONOME_FROM_WIRE(type, name, ...) CopyField(sample.name(), #name, &message.name);
+
 wire::ActorReport ToWire(const ActorReport& message) {
   wire::ActorReport sample;
   CopyText(message.name, "name of an actor", &sample.name());
-  sample.slots(message.slots);
-  sample.episodes_done(message.episodes_done);
-  sample.steps_per_second(message.steps_per_second);
-  sample.accepted(message.accepted);
-  sample.rejected(message.rejected);
-  sample.orders(message.orders);
-  sample.oldest_order_seconds(message.oldest_order_seconds);
-  sample.silent_seconds(message.silent_seconds);
-  sample.on_probation(message.on_probation);
-  sample.unanswering(message.unanswering);
+  METRONOME_ACTOR_NUMBERS(METRONOME_TO_WIRE)
   return sample;
 }
 
 ActorReport FromWire(const wire::ActorReport& sample) {
   ActorReport message;
   message.name = sample.name().to_string();
-  message.slots = sample.slots();
-  message.episodes_done = sample.episodes_done();
-  message.steps_per_second = sample.steps_per_second();
-  message.accepted = sample.accepted();
-  message.rejected = sample.rejected();
-  message.orders = sample.orders();
-  message.oldest_order_seconds = sample.oldest_order_seconds();
-  message.silent_seconds = sample.silent_seconds();
-  message.on_probation = sample.on_probation();
-  message.unanswering = sample.unanswering();
+  METRONOME_ACTOR_NUMBERS(METRONOME_FROM_WIRE)
   return message;
 }
 
@@ -263,39 +277,8 @@ ActorStatus FromWire(const wire::ActorStatus& sample) {
 wire::LearnerStatus ToWire(const LearnerStatus& message) {
   wire::LearnerStatus sample;
   sample.protocol_version(kProtocolVersion);
-  sample.incarnation(message.incarnation);
-  sample.learner_id(message.learner_id);
-  CopyText(message.run_name, "run_name", &sample.run_name());
-  CopyText(message.task, "task", &sample.task());
-  CopyText(message.engine, "engine", &sample.engine());
-  CopyText(message.host, "host", &sample.host());
-  sample.pid(message.pid);
-  sample.state(static_cast<std::uint8_t>(message.state));
-  sample.version(message.version);
-  sample.updates_total(message.updates_total);
-  sample.steps(message.steps);
-  sample.total_steps(message.total_steps);
-  sample.mean_return(message.mean_return);
-  sample.success(message.success);
-  sample.success_end(message.success_end);
-  sample.fps(message.fps);
-  sample.seconds(message.seconds);
-  sample.eta_seconds(message.eta_seconds);
-  sample.collect_seconds(message.collect_seconds);
-  sample.update_seconds(message.update_seconds);
-  sample.idle_share(message.idle_share);
-  sample.batch_episodes(message.batch_episodes);
-  sample.episodes_per_update(message.episodes_per_update);
-  sample.accepted(message.accepted);
-  sample.reordered(message.reordered);
-  sample.duplicates(message.duplicates);
-  sample.rejected(message.rejected);
-  sample.stale(message.stale);
-  sample.bytes_sent(message.bytes_sent);
-  sample.bytes_received(message.bytes_received);
-  sample.checkpoint_version(message.checkpoint_version);
-  sample.actors_total(message.actors_total);
-  sample.slots_total(message.slots_total);
+  METRONOME_LEARNER_IDENTITY(METRONOME_TO_WIRE)
+  METRONOME_RUN_NUMBERS(METRONOME_TO_WIRE)
   // More are counted in actors_total, not listed.
   const std::size_t listed = std::min<std::size_t>(message.actors.size(), wire::kMaxActorReports);
   for (std::size_t i = 0; i < listed; ++i) sample.actors().push_back(ToWire(message.actors[i]));
@@ -304,43 +287,9 @@ wire::LearnerStatus ToWire(const LearnerStatus& message) {
 
 LearnerStatus FromWire(const wire::LearnerStatus& sample) {
   CheckAtMost(sample.actors().size(), wire::kMaxActorReports, "actors");
-  if (sample.state() > static_cast<std::uint8_t>(LearnerStatus::State::kStopped)) {
-    throw Malformed("state " + std::to_string(sample.state()) + " of learner is unknown");
-  }
   LearnerStatus message;
-  message.incarnation = sample.incarnation();
-  message.learner_id = sample.learner_id();
-  message.run_name = sample.run_name().to_string();
-  message.task = sample.task().to_string();
-  message.engine = sample.engine().to_string();
-  message.host = sample.host().to_string();
-  message.pid = sample.pid();
-  message.state = static_cast<LearnerStatus::State>(sample.state());
-  message.version = sample.version();
-  message.updates_total = sample.updates_total();
-  message.steps = sample.steps();
-  message.total_steps = sample.total_steps();
-  message.mean_return = sample.mean_return();
-  message.success = sample.success();
-  message.success_end = sample.success_end();
-  message.fps = sample.fps();
-  message.seconds = sample.seconds();
-  message.eta_seconds = sample.eta_seconds();
-  message.collect_seconds = sample.collect_seconds();
-  message.update_seconds = sample.update_seconds();
-  message.idle_share = sample.idle_share();
-  message.batch_episodes = sample.batch_episodes();
-  message.episodes_per_update = sample.episodes_per_update();
-  message.accepted = sample.accepted();
-  message.reordered = sample.reordered();
-  message.duplicates = sample.duplicates();
-  message.rejected = sample.rejected();
-  message.stale = sample.stale();
-  message.bytes_sent = sample.bytes_sent();
-  message.bytes_received = sample.bytes_received();
-  message.checkpoint_version = sample.checkpoint_version();
-  message.actors_total = sample.actors_total();
-  message.slots_total = sample.slots_total();
+  METRONOME_LEARNER_IDENTITY(METRONOME_FROM_WIRE)
+  METRONOME_RUN_NUMBERS(METRONOME_FROM_WIRE)
   for (const wire::ActorReport& actor : sample.actors()) message.actors.push_back(FromWire(actor));
   return message;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/messages/episode.h"
+#include "common/messages/learner_status.h"
 
 /// What crosses between learner and actors, free of any middleware. idl/ has the wire types.
 namespace metronome {
@@ -73,75 +74,7 @@ struct ActorStatus {
   bool operator==(const ActorStatus&) const = default;
 };
 
-/// One actor as the learner sees it.
-struct ActorReport {
-  std::string name;  // host:pid
-  std::uint32_t slots = 0;
-  std::uint64_t episodes_done = 0;  // as it says, for all learners that it served
-  double steps_per_second = 0;      // as it says
-  std::uint64_t accepted = 0;       // episodes, since this start of the learner
-  std::uint64_t rejected = 0;
-  std::uint64_t orders = 0;         // outstanding
-  double oldest_order_seconds = 0;  // age of the oldest one; 0 without
-  double silent_seconds = 0;        // since its last status
-  bool on_probation = false;        // its host's actors come and go: others are preferred
-  bool unanswering = false;         // gave up an order and has brought nothing since
-  bool operator==(const ActorReport&) const = default;
-};
-
-/// Learner to whoever watches, about once a second and at the end. Wall-clock: shown, never used.
-struct LearnerStatus {
-  enum class State : std::uint8_t {
-    kWaitingForActors = 0,
-    kCollecting = 1,
-    kUpdating = 2,
-    kFinished = 3,
-    kStopped = 4,  // before its end
-  };
-  std::uint64_t incarnation = 0;
-  std::uint64_t learner_id = 0;
-  std::string run_name;
-  std::string task;
-  std::string engine;
-  std::string host;
-  std::uint32_t pid = 0;
-  State state = State::kWaitingForActors;
-  std::uint64_t version = 0;  // updates made
-  std::uint64_t updates_total = 0;
-  std::uint64_t steps = 0;  // of the environment
-  std::uint64_t total_steps = 0;
-  // Of the last update; 0 before the first since this start.
-  double mean_return = 0;
-  double success = 0;
-  double success_end = 0;
-  double fps = 0;          // steps a second since the run began
-  double seconds = 0;      // that the run has taken, all starts together
-  double eta_seconds = 0;  // 0 while unknown
-  double collect_seconds = 0;
-  double update_seconds = 0;
-  double idle_share = 0;             // of slots, 0..1
-  std::uint64_t batch_episodes = 0;  // accepted of the batch that is collected
-  std::uint64_t episodes_per_update = 0;
-  // Since this start.
-  std::uint64_t accepted = 0;
-  std::uint64_t reordered = 0;
-  std::uint64_t duplicates = 0;
-  std::uint64_t rejected = 0;
-  std::uint64_t stale = 0;
-  std::uint64_t bytes_sent = 0;  // payload
-  std::uint64_t bytes_received = 0;
-  std::uint64_t checkpoint_version = 0;  // the newest on disk
-  std::uint64_t actors_total = 0;        // connected
-  std::uint64_t slots_total = 0;
-  std::vector<ActorReport> actors;  // all of them, or as many as the wire carries
-  double age_seconds = 0;           // not sent: since it was written, as whoever watches reckons
-  bool operator==(const LearnerStatus&) const = default;
-};
-
 /// Of an actor's name "host:process".
 std::string HostOfName(const std::string& name);
-
-/// "collecting" and the like, for people.
-std::string StateText(LearnerStatus::State state);
 
 }  // namespace metronome

@@ -16,17 +16,10 @@ std::string TrustText(const ActorReport& actor) {
 }
 
 Json JsonOf(const ActorReport& actor) {
-  return {{"name", actor.name},
-          {"slots", actor.slots},
-          {"episodes_done", actor.episodes_done},
-          {"steps_per_second", actor.steps_per_second},
-          {"accepted", actor.accepted},
-          {"rejected", actor.rejected},
-          {"orders", actor.orders},
-          {"oldest_order_seconds", actor.oldest_order_seconds},
-          {"silent_seconds", actor.silent_seconds},
-          {"on_probation", actor.on_probation},
-          {"unanswering", actor.unanswering}};
+  Json json = {{"name", actor.name}};
+  VisitActorNumbers(
+      [&](const StatusNumber& number, auto member) { json[number.name] = actor.*member; });
+  return json;
 }
 
 }  // namespace
@@ -74,40 +67,12 @@ std::string StatusTable(const LearnerStatus& status) {
 }
 
 std::string StatusJson(const LearnerStatus& status) {
-  Json json = {{"run_name", status.run_name},
-               {"incarnation", status.incarnation},
-               {"learner_id", status.learner_id},
-               {"task", status.task},
-               {"engine", status.engine},
-               {"host", status.host},
-               {"pid", status.pid},
-               {"state", StateText(status.state)},
-               {"age_seconds", status.age_seconds},
-               {"version", status.version},
-               {"updates_total", status.updates_total},
-               {"steps", status.steps},
-               {"total_steps", status.total_steps},
-               {"mean_return", status.mean_return},
-               {"success", status.success},
-               {"success_end", status.success_end},
-               {"fps", status.fps},
-               {"seconds", status.seconds},
-               {"eta_seconds", status.eta_seconds},
-               {"collect_seconds", status.collect_seconds},
-               {"update_seconds", status.update_seconds},
-               {"idle_share", status.idle_share},
-               {"batch_episodes", status.batch_episodes},
-               {"episodes_per_update", status.episodes_per_update},
-               {"accepted", status.accepted},
-               {"reordered", status.reordered},
-               {"duplicates", status.duplicates},
-               {"rejected", status.rejected},
-               {"stale", status.stale},
-               {"bytes_sent", status.bytes_sent},
-               {"bytes_received", status.bytes_received},
-               {"checkpoint_version", status.checkpoint_version},
-               {"actors_total", status.actors_total},
-               {"slots_total", status.slots_total}};
+  Json json;
+  VisitLearnerIdentity([&](const char* name, auto member) { json[name] = status.*member; });
+  json["state"] = StateText(status.state);
+  json["age_seconds"] = status.age_seconds;
+  VisitRunNumbers(
+      [&](const StatusNumber& number, auto member) { json[number.name] = status.*member; });
   json["actors"] = Json::array();
   for (const ActorReport& actor : status.actors) json["actors"].push_back(JsonOf(actor));
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -66,24 +66,22 @@ inline LearnerStatus SomeLearnerStatus(std::uint64_t incarnation, std::size_t ac
   status.host = "here";
   status.pid = 78;
   status.state = LearnerStatus::State::kUpdating;
-  std::uint64_t next = 1;  // every number differs: none is taken for another
-  for (std::uint64_t* count :
-       {&status.version, &status.updates_total, &status.steps, &status.total_steps,
-        &status.batch_episodes, &status.episodes_per_update, &status.accepted, &status.reordered,
-        &status.duplicates, &status.rejected, &status.stale, &status.bytes_sent,
-        &status.bytes_received, &status.checkpoint_version, &status.slots_total}) {
-    *count = next++;
-  }
-  for (double* number :
-       {&status.mean_return, &status.success, &status.success_end, &status.fps, &status.seconds,
-        &status.eta_seconds, &status.collect_seconds, &status.update_seconds, &status.idle_share}) {
-    *number = 0.5 + static_cast<double>(next++);
+  int next = 1;  // every number differs: none is taken for another
+  const auto give = [&next](auto& number) {
+    const bool whole = std::is_integral_v<std::remove_reference_t<decltype(number)>>;
+    number = static_cast<std::remove_reference_t<decltype(number)>>(next++ + (whole ? 0 : 0.5));
+  };
+  VisitRunNumbers([&](const StatusNumber&, auto member) { give(status.*member); });
+  ActorReport report;
+  VisitActorNumbers([&](const StatusNumber&, auto member) { give(report.*member); });
+  report.oldest_order_seconds = 37.5;
+  for (std::size_t i = 0; i < actors; ++i) {
+    report.name = "somewhere:" + std::to_string(i);
+    report.on_probation = i % 2 == 0;
+    report.unanswering = i % 2 == 1;
+    status.actors.push_back(report);
   }
   status.actors_total = actors;
-  for (std::size_t i = 0; i < actors; ++i) {
-    status.actors.push_back({"somewhere:" + std::to_string(i), 31, 32, 33.5, 34, 35, 36, 37.5, 38.5,
-                             i % 2 == 0, i % 2 == 1});
-  }
   return status;
 }
 

@@ -48,5 +48,22 @@ TEST(StatusTextTest, JsonIsOneLineThatHoldsTheNumbers) {
   EXPECT_EQ(json["actors"][1]["unanswering"], true);
 }
 
+// Scripts read them, people too: the names, and their order.
+TEST(StatusTextTest, JsonHasTheseNamesInThisOrder) {
+  const auto json = nlohmann::ordered_json::parse(StatusJson(test::SomeLearnerStatus(3)));
+  std::string names;
+  for (const auto& [name, value] : json.items()) names += name + " ";
+  names += "|";
+  for (const auto& [name, value] : json["actors"][0].items()) names += " " + name;
+  EXPECT_EQ(names,
+            "run_name incarnation learner_id task engine host pid state age_seconds version "
+            "updates_total steps total_steps mean_return success success_end fps seconds "
+            "eta_seconds collect_seconds update_seconds idle_share batch_episodes "
+            "episodes_per_update accepted reordered duplicates rejected stale bytes_sent "
+            "bytes_received checkpoint_version actors_total slots_total actors | name slots "
+            "episodes_done steps_per_second accepted rejected orders oldest_order_seconds "
+            "silent_seconds on_probation unanswering");
+}
+
 }  // namespace
 }  // namespace metronome

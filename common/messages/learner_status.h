@@ -1,0 +1,146 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// What a learner says of itself and of its actors to whoever watches. The lists below are the one
+/// description: the structs, the conversion to the wire (common/dds/convert.cc), the JSON of
+/// `status` and the metrics of Prometheus (learner/watch/) follow from them.
+namespace metronome {
+
+/// What a learner is at.
+enum class LearnerState : std::uint8_t {
+  kWaitingForActors = 0,
+  kCollecting = 1,
+  kUpdating = 2,
+  kFinished = 3,
+  kStopped = 4,  // before its end
+};
+
+/// "collecting" and the like, for people.
+std::string StateText(LearnerState state);
+
+/// FIELD(type, name, metric, help) for each number of a run. `name` is that of the IDL and of JSON;
+/// `metric` that of Prometheus, behind "metronome_": a counter if it ends with "_total". Episodes
+/// from accepted to stale and bytes are counted since this start of the learner; what is of the
+/// last update is 0 before the first one since then.
+#define METRONOME_RUN_NUMBERS(FIELD)                                                               \
+  FIELD(std::uint64_t, version, "updates_total", "Updates made.")                                  \
+  FIELD(std::uint64_t, updates_total, "updates_planned", "Updates of the whole run.")              \
+  FIELD(std::uint64_t, steps, "steps_total", "Steps of the environment learnt from.")              \
+  FIELD(std::uint64_t, total_steps, "steps_planned", "Steps of the whole run.")                    \
+  FIELD(double, mean_return, "return", "Mean return of the last update's episodes.")               \
+  FIELD(double, success, "success_ratio", "Episodes of the last update with success at any step.") \
+  FIELD(double, success_end, "success_at_end_ratio",                                               \
+        "Episodes of the last update with success at their last step.")                            \
+  FIELD(double, fps, "steps_per_second", "Steps a second since the run began.")                    \
+  FIELD(double, seconds, "run_duration_seconds", "What the run has taken, all starts together.")   \
+  FIELD(double, eta_seconds, "run_remaining_seconds",                                              \
+        "What the run will still take; 0 while unknown.")                                          \
+  FIELD(double, collect_seconds, "collect_duration_seconds",                                       \
+        "Collecting the last update's episodes took.")                                             \
+  FIELD(double, update_seconds, "update_duration_seconds", "Learning from them took.")             \
+  FIELD(double, idle_share, "slots_idle_ratio", "Of the actors' time during the last update.")     \
+  FIELD(std::uint64_t, batch_episodes, "batch_episodes",                                           \
+        "Episodes here of the batch that is collected.")                                           \
+  FIELD(std::uint64_t, episodes_per_update, "batch_episodes_wanted", "Episodes of an update.")     \
+  FIELD(std::uint64_t, accepted, "episodes_accepted_total", "Episodes that passed the check.")     \
+  FIELD(std::uint64_t, reordered, "episodes_reordered_total", "Episodes that were ordered again.") \
+  FIELD(std::uint64_t, duplicates, "episodes_duplicate_total", "Episodes that came again.")        \
+  FIELD(std::uint64_t, rejected, "episodes_rejected_total", "Episodes that failed the check.")     \
+  FIELD(std::uint64_t, stale, "episodes_stale_total",                                              \
+        "Episodes of an earlier start of the learner.")                                            \
+  FIELD(std::uint64_t, bytes_sent, "sent_bytes_total", "Payload sent.")                            \
+  FIELD(std::uint64_t, bytes_received, "received_bytes_total", "Payload received.")                \
+  FIELD(std::uint64_t, checkpoint_version, "checkpoint_version",                                   \
+        "Updates in the newest checkpoint on disk.")                                               \
+  FIELD(std::uint64_t, actors_total, "actors", "Actors connected.")                                \
+  FIELD(std::uint64_t, slots_total, "slots", "Episodes that they play at once.")
+
+/// The same for each number of one actor.
+#define METRONOME_ACTOR_NUMBERS(FIELD)                                                 \
+  FIELD(std::uint32_t, slots, "actor_slots", "Episodes that the actor plays at once.") \
+  FIELD(std::uint64_t, episodes_done, "actor_episodes_played_total",                   \
+        "Episodes that it has played, for all learners that it served.")               \
+  FIELD(double, steps_per_second, "actor_steps_per_second", "Its speed, as it says.")  \
+  FIELD(std::uint64_t, accepted, "actor_episodes_accepted_total",                      \
+        "Its episodes that passed the check.")                                         \
+  FIELD(std::uint64_t, rejected, "actor_episodes_rejected_total",                      \
+        "Its episodes that failed the check.")                                         \
+  FIELD(std::uint64_t, orders, "actor_orders", "Orders that it has not answered.")     \
+  FIELD(double, oldest_order_seconds, "actor_oldest_order_age_seconds",                \
+        "Age of the oldest of them; 0 without.")                                       \
+  FIELD(double, silent_seconds, "actor_status_age_seconds", "Since its last word.")    \
+  FIELD(bool, on_probation, "actor_on_probation",                                      \
+        "1 if its host's actors come and go, and others are preferred.")               \
+  FIELD(bool, unanswering, "actor_unanswering",                                        \
+        "1 if it gave up an order and has brought nothing since.")
+
+/// FIELD(type, name) for each field that says which learner this is, and its state.
+#define METRONOME_LEARNER_IDENTITY(FIELD) \
+  FIELD(std::string, run_name)            \
+  FIELD(std::uint64_t, incarnation)       \
+  FIELD(std::uint64_t, learner_id)        \
+  FIELD(std::string, task)                \
+  FIELD(std::string, engine)              \
+  FIELD(std::string, host)                \
+  FIELD(std::uint32_t, pid)               \
+  FIELD(LearnerState, state)
+
+#define METRONOME_MEMBER(type, name, ...) type name{};
+
+/// One actor as the learner sees it.
+struct ActorReport {
+  std::string name;  // host:pid
+  METRONOME_ACTOR_NUMBERS(METRONOME_MEMBER)
+  bool operator==(const ActorReport&) const = default;
+};
+
+/// Learner to whoever watches, about once a second and at the end. Wall-clock: shown, never used.
+struct LearnerStatus {
+  using State = LearnerState;
+  METRONOME_LEARNER_IDENTITY(METRONOME_MEMBER)
+  METRONOME_RUN_NUMBERS(METRONOME_MEMBER)
+  std::vector<ActorReport> actors;  // all of them, or as many as the wire carries
+  double age_seconds = 0;           // not sent: since it was written, as whoever watches reckons
+  bool operator==(const LearnerStatus&) const = default;
+};
+
+#undef METRONOME_MEMBER
+
+/// How a number is named and explained; see METRONOME_RUN_NUMBERS.
+struct StatusNumber {
+  const char* name;
+  const char* metric;
+  const char* help;
+};
+
+/// The three below call `visit` for each field of a list, in its order.
+/// @param visit  takes the name and a pointer to the member.
+template <class Visit>
+void VisitLearnerIdentity(Visit visit) {
+#define METRONOME_VISIT(type, name) visit(#name, &LearnerStatus::name);
+  METRONOME_LEARNER_IDENTITY(METRONOME_VISIT)
+#undef METRONOME_VISIT
+}
+
+/// @param visit  takes a StatusNumber and a pointer to the member.
+template <class Visit>
+void VisitRunNumbers(Visit visit) {
+#define METRONOME_VISIT(type, name, metric, help) \
+  visit(StatusNumber{#name, "metronome_" metric, help}, &LearnerStatus::name);
+  METRONOME_RUN_NUMBERS(METRONOME_VISIT)
+#undef METRONOME_VISIT
+}
+
+/// @param visit  takes a StatusNumber and a pointer to the member.
+template <class Visit>
+void VisitActorNumbers(Visit visit) {
+#define METRONOME_VISIT(type, name, metric, help) \
+  visit(StatusNumber{#name, "metronome_" metric, help}, &ActorReport::name);
+  METRONOME_ACTOR_NUMBERS(METRONOME_VISIT)
+#undef METRONOME_VISIT
+}
+
+}  // namespace metronome
