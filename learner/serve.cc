@@ -25,7 +25,7 @@
 #include "common/process/output_thread.h"
 #include "common/process/process_identity.h"
 #include "common/process/signal_watch.h"
-#include "learner/collect/excluded_hosts.h"
+#include "learner/collect/trust/excluded_hosts.h"
 #include "learner/ppo/trainer_learning.h"
 #include "learner/record/file_run_record.h"
 #include "learner/record/run_folder.h"
@@ -106,7 +106,7 @@ CoordinatorSetup SetupOf(const RunOptions& options, const RunStart& start) {
   setup.rules.overlap = static_cast<std::uint64_t>(config.collection().overlap());
   setup.rules.first_version = start.checkpoint.state.version;
   setup.rules.updates_total = std::max(UpdatesTotal(config), setup.rules.first_version);
-  setup.rules.audit = {config.runtime().audit_share(), RandomId()};
+  setup.audit = {config.runtime().audit_share(), RandomId()};
   setup.status.task = config.environment().task();
   setup.status.host = HostName();
   setup.status.pid = static_cast<std::uint32_t>(getpid());

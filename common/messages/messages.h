@@ -71,6 +71,8 @@ struct ActorStatus {
   std::uint32_t slots = 0;       // episodes it plays at once
   std::uint64_t episodes_done = 0;
   double steps_per_second = 0;  // wall-clock: shown, never used
+  // Not sent: the host as the receiver's middleware knows it, whatever the actor calls itself.
+  std::string vouched_host;
   bool operator==(const ActorStatus&) const = default;
 };
 

@@ -10,9 +10,6 @@
 
 namespace metronome {
 
-/// Equal in every bit (== would let -0 pass for 0).
-bool SameBits(const Episode& a, const Episode& b);
-
 /// The accepted episodes, batch by batch, and the count of how often each number of the run entered
 /// an update. Not thread-safe; batches that were taken are shared read-only.
 class BatchStore {

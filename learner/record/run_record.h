@@ -3,7 +3,7 @@
 #include <string>
 
 #include "common/policy/train_state.h"
-#include "learner/collect/excluded_hosts.h"
+#include "learner/collect/trust/excluded_hosts.h"
 #include "learner/learning/update_report.h"
 #include "learner/record/metrics.h"
 

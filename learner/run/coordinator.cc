@@ -29,21 +29,18 @@ Coordinator::Coordinator(CoordinatorSetup setup, LearnerBus& bus, Learning& lear
       bus_(bus),
       learning_(learning),
       record_(record),
-      background_(background),
       now_(std::move(now)),
       rivals_(setup_.description.learner_id, setup_.rivals, now_()),
-      collector_(bus, learning, setup_.description, setup_.rules, learning.state().canonical_digest,
-                 setup_.excluded),
+      collector_(bus, learning, setup_.description, {setup_.rules, setup_.trust, setup_.audit},
+                 learning.state().canonical_digest, setup_.excluded),
       status_(setup_.status, setup_.description, setup_.rules),
       exclusions_kept_(setup_.excluded.size()),
-      version_(learning.state().version) {
+      version_(learning.state().version),
+      update_(&learning, &background, now_, [&bus] { bus.Wake(); }) {
   if (!setup_.resumed) return;
   saved_version_ = version_;
   status_.Saved(version_);
 }
-
-// The work in the background refers to this object.
-Coordinator::~Coordinator() { background_.Wait(); }
 
 void Coordinator::RequestStop(int signal) {
   stop_signal_ = signal;
@@ -185,7 +182,7 @@ void Coordinator::OnRival(const RivalSeen& rival, TimePoint now) {
 }
 
 void Coordinator::CallForActors(TimePoint now) {
-  if (collector_.actors() > 0) {
+  if (!collector_.roster().actors().empty()) {
     next_call_.reset();
     return;
   }
@@ -196,9 +193,9 @@ void Coordinator::CallForActors(TimePoint now) {
 }
 
 LearnerStatus::State Coordinator::StateNow() const {
-  if (updating_ != nullptr) return LearnerStatus::State::kUpdating;
-  return collector_.actors() > 0 ? LearnerStatus::State::kCollecting
-                                 : LearnerStatus::State::kWaitingForActors;
+  if (update_.runs()) return LearnerStatus::State::kUpdating;
+  return !collector_.roster().actors().empty() ? LearnerStatus::State::kCollecting
+                                               : LearnerStatus::State::kWaitingForActors;
 }
 
 void Coordinator::PublishStatus(LearnerStatus::State state) {
@@ -208,55 +205,30 @@ void Coordinator::PublishStatus(LearnerStatus::State state) {
 }
 
 void Coordinator::StartUpdateIfReady() {
-  if (ending_ || updating_ != nullptr || version_ >= setup_.rules.updates_total ||
-      !collector_.IsComplete(version_)) {
+  if (ending_ || update_.runs() || version_ >= setup_.rules.updates_total ||
+      collector_.AcceptedOf(version_) < setup_.rules.episodes_per_update) {
     return;
   }
-  updating_ = collector_.Take(version_);
+  const TimePoint now = now_();
   const std::uint64_t orderable_since = version_ - std::min(version_, setup_.rules.overlap);
-  UpdateOutcome begun;
-  begun.collect_seconds = SecondsBetween(published_.lower_bound(orderable_since)->second, now_());
-  begun.idle_share = collector_.TakeIdleShare(now_());
-  background_.Start([this, outcome = std::move(begun), batch = updating_]() mutable {
-    const TimePoint begin = now_();
-    try {
-      outcome.report = learning_.Update(*batch);
-    } catch (...) {
-      outcome.error = std::current_exception();
-    }
-    outcome.seconds = SecondsBetween(begin, now_());
-    {
-      const std::lock_guard lock(outcome_mutex_);
-      outcome_ = std::move(outcome);
-    }
-    bus_.Wake();
-  });
+  update_.Start(collector_.Take(version_, now),
+                SecondsBetween(published_.lower_bound(orderable_since)->second, now));
 }
 
 void Coordinator::FinishUpdateIfDone() {
-  UpdateOutcome outcome;
-  {
-    const std::lock_guard lock(outcome_mutex_);
-    if (!outcome_) return;
-    outcome = std::move(*outcome_);
-    outcome_.reset();
-  }
-  background_.Wait();  // it has nothing left to do but to return
-  const BatchStore::Batch batch = std::exchange(updating_, nullptr);
-  if (outcome.error) {
-    OnUpdateFailed(outcome.error);
+  const auto outcome = update_.Take();
+  if (!outcome) return;
+  if (outcome->error) {
+    OnUpdateFailed(outcome->error);
     return;
   }
-  collector_.CountEntered(*batch);
-  // Without overlap nothing could be ordered meanwhile: that is no idleness of collecting.
-  if (setup_.rules.overlap == 0) collector_.TakeIdleShare(now_());
-  collector_.Publish(++version_, now_());
+  collector_.Publish(++version_, *outcome->collected.batch, now_());
   PublishState(false);
   const TrainState state = CopyState();
   // Actors and the next update go on while the disk is busy.
   if (!ending_) collector_.SendOrders(now_());
   StartUpdateIfReady();
-  TellProgress(outcome, state);
+  TellProgress(*outcome, state);
   const bool milestone = setup_.milestone_every > 0 && version_ % setup_.milestone_every == 0;
   if (version_ % setup_.checkpoint_every == 0 || milestone ||
       version_ == setup_.rules.updates_total) {
@@ -278,13 +250,13 @@ void Coordinator::OnUpdateFailed(const std::exception_ptr& error) {
 
 // A running update cannot be cut short; its result is complete, so it is kept.
 void Coordinator::WaitForUpdate() {
-  while (updating_ != nullptr) {
+  while (update_.runs()) {
     bus_.Wait(now_() + kLongWait);
     FinishUpdateIfDone();
   }
 }
 
-void Coordinator::TellProgress(const UpdateOutcome& outcome, const TrainState& state) {
+void Coordinator::TellProgress(const BackgroundUpdate::Outcome& outcome, const TrainState& state) {
   const CpuTimer timer(CpuUse::kSave);
   const WallReport wall = WallReportOf(outcome);
   status_.Updated(outcome.report, wall);
@@ -295,17 +267,17 @@ void Coordinator::TellProgress(const UpdateOutcome& outcome, const TrainState& s
   }
 }
 
-WallReport Coordinator::WallReportOf(const UpdateOutcome& outcome) {
+WallReport Coordinator::WallReportOf(const BackgroundUpdate::Outcome& outcome) {
   const TimePoint now = now_();
   WallReport wall;
   wall.seconds = setup_.seconds_before + SecondsBetween(serving_since_, now);
   wall.collect_seconds = outcome.collect_seconds;
   wall.update_seconds = outcome.seconds;
-  wall.idle_share = outcome.idle_share;
+  wall.idle_share = outcome.collected.idle_share;
   wall.bytes_sent = bus_.bytes_sent();
   wall.bytes_received = bus_.bytes_received();
-  wall.actors = collector_.actors();
-  wall.slots = collector_.slots();
+  wall.actors = collector_.roster().actors().size();
+  wall.slots = collector_.roster().slots();
   wall.orders_repeated = collector_.counts().reordered;
   return wall;
 }
@@ -368,7 +340,7 @@ void Coordinator::Farewell() {
   setup_.description.finished = true;
   bus_.Publish(setup_.description);
   const TimePoint deadline = now_() + setup_.farewell;
-  while (collector_.actors() > 0 && now_() < deadline && stop_signal_ == 0) {
+  while (!collector_.roster().actors().empty() && now_() < deadline && stop_signal_ == 0) {
     const auto event = bus_.Wait(deadline);
     if (!event) continue;
     if (const auto* lost = std::get_if<ActorLost>(&*event)) {
@@ -379,7 +351,7 @@ void Coordinator::Farewell() {
 
 std::string Coordinator::AccountingText() const {
   const BatchStore::Accounting accounting = collector_.Account();
-  const LedgerCounts& counts = collector_.counts();
+  const EpisodeCounts& counts = collector_.counts();
   std::string text = accounting.exact() ? "every episode number entered exactly one update: "
                                         : "NOT every episode number entered exactly one update: ";
   text += std::to_string(accounting.once) + " of " + std::to_string(accounting.total) +

@@ -6,7 +6,6 @@
 #include <exception>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -15,6 +14,7 @@
 #include "learner/learning/learning.h"
 #include "learner/record/run_record.h"
 #include "learner/run/background.h"
+#include "learner/run/background_update.h"
 #include "learner/run/rival_watch.h"
 #include "learner/run/status_report.h"
 
@@ -24,6 +24,8 @@ namespace metronome {
 struct CoordinatorSetup {
   RunDescription description;  // serving and finished are the coordinator's to set
   OrderRules rules;
+  TrustRules trust;
+  AuditRules audit;
   ExcludedHosts excluded;  // by earlier starts
   StatusFacts status;
   std::function<void(const LearnerStatus&)> on_status;  // called with each that is published
@@ -49,7 +51,6 @@ class Coordinator {
   /// @param now  the clock that bus.Wait's deadlines refer to.
   Coordinator(CoordinatorSetup setup, LearnerBus& bus, Learning& learning, RunRecord& record,
               Background& background, std::function<TimePoint()> now = Clock::now);
-  ~Coordinator();
   Coordinator(const Coordinator&) = delete;
   Coordinator& operator=(const Coordinator&) = delete;
 
@@ -63,14 +64,6 @@ class Coordinator {
   void RequestStop(int signal);
 
  private:
-  struct UpdateOutcome {
-    UpdateReport report;
-    double collect_seconds = 0;
-    double idle_share = 0;  // while the batch was collected
-    double seconds = 0;     // of the update
-    std::exception_ptr error;
-  };
-
   std::optional<int> AwaitRivals();
   bool Begin();
   void PublishState(bool previous_too);
@@ -87,8 +80,8 @@ class Coordinator {
   void FinishUpdateIfDone();
   void OnUpdateFailed(const std::exception_ptr& error);
   void WaitForUpdate();
-  void TellProgress(const UpdateOutcome& outcome, const TrainState& state);
-  [[nodiscard]] WallReport WallReportOf(const UpdateOutcome& outcome);
+  void TellProgress(const BackgroundUpdate::Outcome& outcome, const TrainState& state);
+  [[nodiscard]] WallReport WallReportOf(const BackgroundUpdate::Outcome& outcome);
 
   [[nodiscard]] TrainState CopyState() const;
   bool Save(const TrainState& state);
@@ -101,7 +94,6 @@ class Coordinator {
   LearnerBus& bus_;
   Learning& learning_;
   RunRecord& record_;
-  Background& background_;
   std::function<TimePoint()> now_;
 
   RivalWatch rivals_;
@@ -115,11 +107,9 @@ class Coordinator {
   std::map<std::uint64_t, TimePoint> published_;  // when each of the last versions went out
   std::optional<TimePoint> next_call_;
 
-  BatchStore::Batch updating_;  // the batch being learnt from, or null
-  std::mutex outcome_mutex_;
-  std::optional<UpdateOutcome> outcome_;  // guarded by outcome_mutex_
   std::atomic<int> stop_signal_{0};
   std::optional<int> ending_;  // exit code; the loop ends when it is set
+  BackgroundUpdate update_;    // last: what runs there refers to the rest
 };
 
 }  // namespace metronome

@@ -54,16 +54,16 @@ LearnerStatus StatusReport::Make(LearnerStatus::State state, const Collector& co
   status_.state = state;
   SetRates(now);
   status_.batch_episodes = collector.AcceptedOf(status_.version);
-  const LedgerCounts& counts = collector.counts();
+  const EpisodeCounts& counts = collector.counts();
   status_.accepted = counts.accepted;
   status_.reordered = counts.reordered;
   status_.duplicates = counts.duplicates;
   status_.rejected = counts.rejected;
-  status_.stale = collector.stale();
+  status_.stale = counts.stale;
   status_.bytes_sent = bus.bytes_sent();
   status_.bytes_received = bus.bytes_received();
-  status_.actors_total = collector.actors();
-  status_.slots_total = collector.slots();
+  status_.actors_total = collector.roster().actors().size();
+  status_.slots_total = collector.roster().slots();
   status_.actors = collector.ReportActors(now);
   return status_;
 }

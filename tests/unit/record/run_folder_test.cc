@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "common/process/files.h"
-#include "learner/collect/excluded_hosts.h"
+#include "learner/collect/trust/excluded_hosts.h"
 #include "tests/unit/support/temporary_folder.h"
 
 namespace metronome {

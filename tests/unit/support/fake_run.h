@@ -145,6 +145,7 @@ class FakeRun {
     actor.status.actor_id = id;
     actor.status.incarnation = kIncarnation;
     actor.status.host = "host" + std::to_string(id);
+    actor.status.vouched_host = actor.status.host;
     actor.status.engine = "engine-1";
     actor.status.build = "build-1";
     actor.status.canonical_digest = "digest-1";

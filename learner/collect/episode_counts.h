@@ -7,16 +7,16 @@
 
 namespace metronome {
 
-/// What happened to orders and samples since this process started.
-struct LedgerCounts {
+/// What became of orders and samples since this process started.
+struct EpisodeCounts {
   struct ByActor {
     std::uint64_t accepted = 0;
     std::uint64_t rejected = 0;
     std::uint64_t duplicates = 0;
     bool operator==(const ByActor&) const = default;
   };
-  std::uint64_t ordered = 0;    // orders sent, one per number and actor
-  std::uint64_t reordered = 0;  // of these: for a number that had been ordered before
+  std::uint64_t stale = 0;      // for another start of the learner: the new orders answer them
+  std::uint64_t reordered = 0;  // numbers ordered again: lost, late, doubtful
   std::uint64_t accepted = 0;
   std::uint64_t duplicates = 0;  // of accepted numbers, differing ones among them
   std::uint64_t differing_duplicates = 0;

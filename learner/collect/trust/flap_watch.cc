@@ -1,8 +1,8 @@
-#include "learner/collect/flap_watch.h"
+#include "learner/collect/trust/flap_watch.h"
 
 #include <algorithm>
 
-#include "learner/collect/doubling.h"
+#include "learner/collect/trust/doubling.h"
 
 namespace metronome {
 namespace {
@@ -24,18 +24,17 @@ void FlapWatch::Lose(std::uint64_t actor_id, TimePoint now) {
   const Stay stay = found->second;
   stays_.erase(found);
   if (now - stay.since >= rules_.steady) {
-    rows_.erase(stay.host);
+    rows_.Erase(stay.host);
     return;
   }
-  Row& row = rows_[stay.host];
-  if (row.flaps > 0 && now - row.last < kTogether) return;
-  ++row.flaps;
-  row.last = now;
+  const Row* row = rows_.Find(stay.host);
+  if (row != nullptr && now - row->last < kTogether) return;
+  rows_.Put(stay.host, {(row != nullptr ? row->flaps : 0) + 1, now});
 }
 
 std::uint32_t FlapWatch::FlapsOf(const std::string& host) const {
-  const auto row = rows_.find(host);
-  return row == rows_.end() ? 0 : row->second.flaps;
+  const Row* row = rows_.Find(host);
+  return row == nullptr ? 0 : row->flaps;
 }
 
 std::chrono::milliseconds FlapWatch::Probation(std::uint32_t flaps) const {

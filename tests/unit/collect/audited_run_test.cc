@@ -1,135 +1,19 @@
-#include "learner/collect/audit.h"
-
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <map>
 #include <set>
-#include <stdexcept>
 
 #include "common/process/exit_codes.h"
+#include "learner/collect/trust/audit.h"
 #include "tests/unit/support/fake_run.h"
 
+/// Whole runs that are audited.
 namespace metronome {
 namespace {
 
 using testing::FakeActor;
 using testing::FakeRun;
 using testing::milliseconds;
-using Names = std::vector<std::string>;
-
-Audit::Opinion Says(std::uint64_t actor, const std::string& host, float reward,
-                    std::uint64_t number = 7) {
-  Episode episode;
-  episode.number = number;
-  episode.reward = {reward};
-  return {actor, host, episode};
-}
-
-TEST(AuditTest, TheShareIsChosenByAKey) {
-  const Audit none({0, 1}), some({0.25, 1}), others({0.25, 2}), all({1, 1});
-  int chosen = 0, both = 0;
-  for (std::uint64_t number = 0; number < 4000; ++number) {
-    EXPECT_FALSE(none.IsChosen(number));
-    EXPECT_TRUE(all.IsChosen(number));
-    chosen += some.IsChosen(number) ? 1 : 0;
-    both += some.IsChosen(number) && others.IsChosen(number) ? 1 : 0;
-  }
-  EXPECT_NEAR(chosen, 1000, 100);
-  EXPECT_NEAR(both, 250, 60) << "the key does not matter";
-}
-
-TEST(AuditTest, TwoActorsThatAgreeSettleItWhereverTheyAre) {
-  Audit audit({1, 1});
-  EXPECT_FALSE(audit.Hear(Says(1, "a", 0.5F)).settled);
-  EXPECT_TRUE(audit.IsPending(7));
-  const auto verdict = audit.Hear(Says(2, "a", 0.5F));
-  ASSERT_TRUE(verdict.settled);
-  EXPECT_EQ(verdict.settled->actor_id, 1U);
-  EXPECT_EQ(verdict.vouchers, Names{"a"});
-  EXPECT_TRUE(verdict.guilty.empty());
-  EXPECT_FALSE(audit.IsPending(7));
-  EXPECT_EQ(audit.counts().agreed, 1U);
-  EXPECT_EQ(audit.counts().disputes, 0U);
-}
-
-// In every order of arrival, and by one bit: 0 is not -0.
-TEST(AuditTest, WhereHostsDifferTheOddOneIsGuilty) {
-  for (int odd = 0; odd < 3; ++odd) {
-    Audit audit({1, 1});
-    Audit::Verdict verdict;
-    for (int i = 0; i < 3; ++i) {
-      EXPECT_FALSE(verdict.settled) << odd;
-      const std::string host(1, static_cast<char>('a' + i));
-      verdict = audit.Hear(Says(std::uint64_t(i), host, i == odd ? -0.0F : 0.0F));
-      // The first two agree where the third is odd: then it is not heard.
-      if (odd == 2 && i == 1) break;
-      EXPECT_EQ(verdict.disputed, i == 1) << odd;
-    }
-    ASSERT_TRUE(verdict.settled) << odd;
-    EXPECT_FALSE(std::signbit(verdict.settled->episode.reward[0])) << odd;
-    const Names guilty = odd == 2 ? Names{} : Names{std::string(1, static_cast<char>('a' + odd))};
-    EXPECT_EQ(verdict.guilty, guilty) << odd;
-    EXPECT_EQ(verdict.vouchers.size(), 2U) << odd;
-  }
-}
-
-TEST(AuditTest, AHostCannotOutvoteAnotherByMoreActors) {
-  Audit audit({1, 1});
-  audit.Hear(Says(1, "a", 0));
-  audit.Hear(Says(2, "b", 1));
-  const auto more = audit.Hear(Says(3, "b", 1));
-  EXPECT_FALSE(more.settled);
-  EXPECT_TRUE(more.disputed);
-  const auto verdict = audit.Hear(Says(4, "c", 0));
-  ASSERT_TRUE(verdict.settled);
-  EXPECT_EQ(verdict.guilty, Names{"b"});
-}
-
-TEST(AuditTest, AHostThatDiffersFromItselfIsGuiltyAndUnheard) {
-  Audit audit({1, 1});
-  audit.Hear(Says(1, "a", 0));
-  const auto verdict = audit.Hear(Says(2, "a", 1));
-  EXPECT_EQ(verdict.guilty, Names{"a"});
-  EXPECT_FALSE(verdict.settled);
-  EXPECT_FALSE(verdict.disputed);
-  EXPECT_FALSE(audit.IsPending(7));
-}
-
-TEST(AuditTest, ThreeAnswersNeedAFourth) {
-  Audit audit({1, 1});
-  audit.Hear(Says(1, "a", 0));
-  audit.Hear(Says(2, "b", 1));
-  EXPECT_TRUE(audit.Hear(Says(3, "c", 2)).disputed);
-  const auto verdict = audit.Hear(Says(4, "d", 1));
-  ASSERT_TRUE(verdict.settled);
-  EXPECT_EQ(verdict.settled->actor_id, 2U);
-  EXPECT_EQ(verdict.guilty, (Names{"a", "c"}));
-  EXPECT_EQ(audit.counts().disputes, 1U);
-}
-
-TEST(AuditTest, AloneAnOpinionStandsUnlessItIsDisputed) {
-  Audit audit({1, 1});
-  EXPECT_THROW(audit.SettleAlone(7), std::logic_error);
-  audit.Hear(Says(1, "a", 0));
-  EXPECT_EQ(audit.SettleAlone(7).actor_id, 1U);
-  EXPECT_EQ(audit.counts().alone, 1U);
-  audit.Hear(Says(1, "a", 0));
-  audit.Hear(Says(2, "b", 1));
-  EXPECT_THROW(audit.SettleAlone(7), std::logic_error);
-}
-
-TEST(AuditTest, WhatAHostSaidIsForgottenWithIt) {
-  Audit audit({1, 1});
-  audit.Hear(Says(1, "a", 0, 7));
-  audit.Hear(Says(1, "a", 0, 8));
-  audit.Hear(Says(2, "b", 1, 8));
-  EXPECT_EQ(audit.Forget("a"), std::vector<std::uint64_t>{7});
-  EXPECT_EQ(audit.Pending(), std::vector<std::uint64_t>{8});
-  EXPECT_FALSE(audit.IsDisputed(8));
-}
-
-// Whole runs.
 
 std::vector<EpisodeMessage> Lie(const EpisodeMessage& truth) {
   EpisodeMessage lie = truth;
@@ -155,7 +39,7 @@ std::map<std::uint64_t, std::set<std::uint64_t>> ActorsByNumber(const FakeRun& r
 
 TEST(AuditedRunTest, EachEpisodeIsPlayedByTwoActorsAndLearntOnce) {
   FakeRun run;
-  run.setup.rules.audit = {1, 1};
+  run.setup.audit = {1, 1};
   for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
   EXPECT_EQ(run.Run(), kExitFinished);
   ExpectAllTrue(run);
@@ -166,9 +50,9 @@ TEST(AuditedRunTest, EachEpisodeIsPlayedByTwoActorsAndLearntOnce) {
 
 TEST(AuditedRunTest, AnotherHostIsPreferredToAnotherActor) {
   FakeRun run;
-  run.setup.rules.audit = {1, 1};
+  run.setup.audit = {1, 1};
   for (const std::uint64_t id : {1, 2, 3, 4}) {
-    run.AddActor(id).status.host = id == 4 ? "far" : "near";
+    run.AddActor(id).status.vouched_host = id == 4 ? "far" : "near";
   }
   EXPECT_EQ(run.Run(), kExitFinished);
   for (const auto& [number, by] : ActorsByNumber(run)) EXPECT_TRUE(by.contains(4)) << number;
@@ -177,7 +61,7 @@ TEST(AuditedRunTest, AnotherHostIsPreferredToAnotherActor) {
 TEST(AuditedRunTest, ALoneActorIsBelievedAndARunGoesOnWhenTheOtherSaysNothing) {
   for (const bool second : {false, true}) {
     FakeRun run;
-    run.setup.rules.audit = {1, 1};
+    run.setup.audit = {1, 1};
     run.AddActor(1);
     if (second)
       run.AddActor(2).answer = [](const EpisodeMessage&) { return std::vector<EpisodeMessage>{}; };
@@ -189,7 +73,7 @@ TEST(AuditedRunTest, ALoneActorIsBelievedAndARunGoesOnWhenTheOtherSaysNothing) {
 
 TEST(AuditedRunTest, WhoComesWithinSecondsIsWaitedFor) {
   FakeRun run;
-  run.setup.rules.audit = {1, 1};
+  run.setup.audit = {1, 1};
   run.AddActor(1).answer = Lie;
   for (const std::uint64_t id : {2, 3}) {
     FakeActor& late = run.AddActor(id);
@@ -204,15 +88,15 @@ TEST(AuditedRunTest, WhoComesWithinSecondsIsWaitedFor) {
 
 TEST(AuditedRunTest, AHostThatLiesIsNamedAndRefusedAndNothingOfItIsLearnt) {
   FakeRun run;
-  run.setup.rules.audit = {1, 1};
+  run.setup.audit = {1, 1};
   for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
-  run.AddActor(12).status.host = "host2";  // another one of the liar's host
+  run.AddActor(12).status.vouched_host = "host2";  // another one of the liar's host
   run.actors.at(2).answer = Lie;
   run.actors.at(12).answer = Lie;
   EXPECT_EQ(run.Run(), kExitFinished);
   ExpectAllTrue(run);
   for (const std::uint64_t liar : {2, 12}) {
-    EXPECT_NE(run.actors.at(liar).refused.find("host host2 computes wrongly"), std::string::npos);
+    EXPECT_NE(run.actors.at(liar).refused.find("host host2 ("), std::string::npos);
   }
   for (const std::uint64_t honest : {1, 3}) EXPECT_EQ(run.actors.at(honest).refused, "");
 }
@@ -230,20 +114,20 @@ TEST(AuditedRunTest, WhatAGuiltyHostBroughtBeforeIsTakenBack) {
     return all;
   };
   while (!(count() == 1 && chosen(9))) ++key;  // the liar's lies before it are not audited
-  run.setup.rules.audit = {0.1, key};
+  run.setup.audit = {0.1, key};
   for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id).answer = Lie;
   for (const std::uint64_t id : {11, 12, 13}) run.AddActor(id).duration = milliseconds(500);
-  for (const std::uint64_t id : {1, 2, 3}) run.actors.at(id).status.host = "liar";
+  for (const std::uint64_t id : {1, 2, 3}) run.actors.at(id).status.vouched_host = "liar";
   EXPECT_EQ(run.Run(), kExitFinished);
   ExpectAllTrue(run);
 }
 
 TEST(AuditedRunTest, WhereTwoHostsDifferTheRunWaitsForAThird) {
   FakeRun run;
-  run.setup.rules.audit = {1, 1};
+  run.setup.audit = {1, 1};
   run.AddActor(1);
   run.AddActor(2).answer = Lie;
-  run.AddActor(22).status.host = "host2";  // cannot decide it
+  run.AddActor(22).status.vouched_host = "host2";  // cannot decide it
   run.actors.at(22).answer = Lie;
   FakeActor& third = run.AddActor(3);
   third.status.incarnation = 0;  // not yet
@@ -260,7 +144,7 @@ TEST(AuditedRunTest, WhereTwoHostsDifferTheRunWaitsForAThird) {
 // Two answers to one order, of which the check can tell neither, and no audit was due.
 TEST(AuditedRunTest, WhatComesTwiceAndDiffersIsPlayedAgainByTwoHosts) {
   FakeRun run;
-  run.setup.rules.audit = {1e-9, 1};
+  run.setup.audit = {1e-9, 1};
   for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
   run.actors.at(2).answer = [](const EpisodeMessage& truth) {
     std::vector<EpisodeMessage> both = Lie(truth);
@@ -273,9 +157,39 @@ TEST(AuditedRunTest, WhatComesTwiceAndDiffersIsPlayedAgainByTwoHosts) {
   EXPECT_TRUE(run.record.excluded.contains("host2"));
 }
 
+// Whatever its actors call themselves: it has one vote, and differs from itself or from the others.
+TEST(AuditedRunTest, AMachineWithTwoInventedNamesDoesNotOutvoteAnHonestHost) {
+  FakeRun run;
+  run.setup.audit = {1, 1};
+  run.AddActor(1);
+  for (const std::uint64_t liar : {2, 3}) {
+    FakeActor& actor = run.AddActor(liar);
+    actor.status.vouched_host = "one machine";
+    actor.answer = Lie;
+  }
+  run.AddActor(4).duration = milliseconds(5000);  // decides, when it comes to it
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+  EXPECT_EQ(run.record.excluded.size(), 1U);
+  EXPECT_TRUE(run.record.excluded.contains("one machine"));
+}
+
+TEST(AuditedRunTest, AnExcludedMachineDoesNotComeBackUnderAnotherName) {
+  FakeRun run;
+  run.setup.excluded = {{"one machine", "host one machine (liar:1) computes wrongly"}};
+  FakeActor& liar = run.AddActor(2);
+  liar.status.host = "never heard of";
+  liar.status.vouched_host = "one machine";
+  liar.answer = Lie;
+  run.AddActor(1);
+  EXPECT_EQ(run.Run(), kExitFinished);
+  ExpectAllTrue(run);
+  EXPECT_NE(liar.refused.find("computes wrongly"), std::string::npos);
+}
+
 TEST(AuditedRunTest, AnExclusionThatCouldNotBeWrittenIsWrittenLater) {
   FakeRun run;
-  run.setup.rules.audit = {1, 1};
+  run.setup.audit = {1, 1};
   run.setup.rules.updates_total = 300;  // much longer than it waits before it tries again
   run.record.exclusions_to_fail = 2;
   for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
@@ -287,7 +201,7 @@ TEST(AuditedRunTest, AnExclusionThatCouldNotBeWrittenIsWrittenLater) {
 
 TEST(AuditedRunTest, AnExclusionOutlivesTheLearner) {
   FakeRun first;
-  first.setup.rules.audit = {1, 1};
+  first.setup.audit = {1, 1};
   for (const std::uint64_t id : {1, 2, 3}) first.AddActor(id);
   first.actors.at(2).answer = Lie;
   EXPECT_EQ(first.Run(), kExitFinished);
@@ -299,18 +213,18 @@ TEST(AuditedRunTest, AnExclusionOutlivesTheLearner) {
   second.AddActor(2).answer = Lie;
   EXPECT_EQ(second.Run(), kExitFinished);
   ExpectAllTrue(second);
-  EXPECT_NE(second.actors.at(2).refused.find("host host2 computes wrongly"), std::string::npos);
+  EXPECT_NE(second.actors.at(2).refused.find("host host2 ("), std::string::npos);
   EXPECT_TRUE(second.record.excluded.empty()) << "written without need";
 }
 
 TEST(AuditedRunTest, AHostIsExcludedForGood) {
   FakeRun run;
-  run.setup.rules.audit = {1, 1};
+  run.setup.audit = {1, 1};
   run.setup.rules.updates_total = 10;
   for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
   run.actors.at(2).answer = Lie;
   FakeActor& back = run.AddActor(99);
-  back.status.host = "host2";
+  back.status.vouched_host = "host2";
   back.status.incarnation = 0;
   ActorStatus comes = back.status;
   comes.incarnation = FakeRun::kIncarnation;
@@ -362,7 +276,7 @@ void RunToTheTruthThoughRefused(FakeRun& run, std::uint64_t refused) {
 void AuditOnlyNumber2(FakeRun& run) {
   run.setup.rules.episodes_per_update = 12;
   run.setup.rules.updates_total = 1;
-  run.setup.rules.audit = {0.1, KeyThatChooses(0.1, 2, 12)};
+  run.setup.audit = {0.1, KeyThatChooses(0.1, 2, 12)};
 }
 
 std::vector<EpisodeMessage> LieOnlyOn2(const EpisodeMessage& truth) {
@@ -387,7 +301,7 @@ TEST(AuditedRunTest, WhatALostActorOfAnExcludedHostHasUnderWayIsNotLearntFrom) {
   run.AddActor(1).duration = milliseconds(500);
   run.AddActor(2, 2).answer = LieOnlyOn2;
   FakeActor& lost = run.AddActor(22, 4);
-  lost.status.host = "host2";
+  lost.status.vouched_host = "host2";
   lost.answer = [](const EpisodeMessage&) { return std::vector<EpisodeMessage>{}; };
   run.AddActor(3).duration = milliseconds(500);  // so that much of the lost one is still missing
   run.bus.CallAfter(milliseconds(350), [&run] { run.Kill(22); });
@@ -398,8 +312,8 @@ TEST(AuditedRunTest, WhatALostActorOfAnExcludedHostHasUnderWayIsNotLearntFrom) {
 // Else the opinion of a host that is excluded already would dispute that of the only one left.
 TEST(AuditedRunTest, WhatAnExcludedHostSaysLateDoesNotHoldTheRunUp) {
   FakeRun run;
-  run.setup.rules.audit = {1, 1};
-  for (const std::uint64_t id : {2, 22}) run.AddActor(id, 4).status.host = "host2";
+  run.setup.audit = {1, 1};
+  for (const std::uint64_t id : {2, 22}) run.AddActor(id, 4).status.vouched_host = "host2";
   run.actors.at(22).answer = Lie;
   SendLateWhenRefused(run, 22, 22);
   FakeActor& honest = run.AddActor(1);
@@ -416,7 +330,7 @@ TEST(AuditedRunTest, AnAnswerInTheMomentInWhichAnotherWouldStandAloneIsHeardOnce
   FakeRun run;
   run.setup.rules.episodes_per_update = 1;
   run.setup.rules.updates_total = 1;
-  run.setup.rules.audit = {1, 1};
+  run.setup.audit = {1, 1};
   run.AddActor(1);
   run.AddActor(2).answer = [&run](const EpisodeMessage& truth) {
     run.bus.After(milliseconds(0), ActorLost{2});

@@ -1,4 +1,4 @@
-#include "learner/collect/flap_watch.h"
+#include "learner/collect/trust/flap_watch.h"
 
 #include <gtest/gtest.h>
 
@@ -59,6 +59,22 @@ TEST(FlapWatchTest, LosingWhoNeverJoinedIsNothing) {
   FlapWatch watch;
   watch.Lose(3, At(1));
   EXPECT_EQ(watch.FlapsOf("a"), 0U);
+}
+
+TEST(FlapWatchTest, OfTooManyFlappingHostsTheOneThatFlappedLongestAgoIsForgotten) {
+  FlapRules rules;
+  rules.hosts = 100;
+  FlapWatch watch(rules);
+  for (int i = 0; i < 101; ++i) {
+    Visit(watch, std::uint64_t(i), 20 * i, 5, "host" + std::to_string(i));
+    if (i == 50) Visit(watch, 1000, 20 * i + 10, 5, "host1");
+  }
+  EXPECT_EQ(watch.FlapsOf("host0"), 0U);
+  EXPECT_EQ(watch.FlapsOf("host1"), 2U);
+  EXPECT_EQ(watch.FlapsOf("host2"), 1U);
+  Visit(watch, 2000, 9000, 5, "one more");
+  EXPECT_EQ(watch.FlapsOf("host1"), 2U) << "it flapped later than others";
+  EXPECT_EQ(watch.FlapsOf("host2"), 0U);
 }
 
 }  // namespace

@@ -19,8 +19,8 @@ struct AuditRules {
 
 /// Compares what several actors brought for one episode number. An episode is a pure function of
 /// configuration, weights and number, so two that differ in one bit prove that a machine computes
-/// wrongly, or lies; hosts, not actors, are judged, by their own word of who they are.
-/// Pure logic; not thread-safe.
+/// wrongly, or lies; hosts, not actors, are judged, as the middleware knows them (never by a name
+/// that an actor gives itself). Pure logic; not thread-safe.
 class Audit {
  public:
   /// One actor's answer.
@@ -48,6 +48,10 @@ class Audit {
   [[nodiscard]] bool IsChosen(std::uint64_t number) const;
   /// It is, whatever the key says: there is reason to doubt it.
   void Choose(std::uint64_t number) { doubted_.insert(number); }
+  /// Numbers below this one are learnt from: what was doubted of them is forgotten.
+  void Learnt(std::uint64_t first_left) {
+    doubted_.erase(doubted_.begin(), doubted_.lower_bound(first_left));
+  }
 
   /// Settled when two actors agree and nobody differs, or when two hosts agree. A settled number,
   /// and the answers of guilty hosts, are forgotten.

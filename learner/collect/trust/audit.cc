@@ -1,11 +1,11 @@
-#include "learner/collect/audit.h"
+#include "learner/collect/trust/audit.h"
 
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 #include "common/numbers/random.h"
-#include "learner/collect/batch_store.h"
+#include "learner/collect/trust/same_bits.h"
 
 namespace metronome {
 namespace {

@@ -1,4 +1,4 @@
-#include "learner/collect/excluded_hosts.h"
+#include "learner/collect/trust/excluded_hosts.h"
 
 #include <filesystem>
 #include <nlohmann/json.hpp>

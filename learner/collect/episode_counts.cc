@@ -1,4 +1,4 @@
-#include "learner/collect/ledger_counts.h"
+#include "learner/collect/episode_counts.h"
 
 #include <cctype>
 #include <cstddef>
@@ -32,26 +32,26 @@ Value& Bounded(std::map<std::string, Value>& table, const std::string& key, std:
 
 }  // namespace
 
-void LedgerCounts::CountAccepted(const std::string& actor) {
+void EpisodeCounts::CountAccepted(const std::string& actor) {
   ++accepted;
   ++Bounded(by_actor, actor, kMaxActors).accepted;
 }
 
-void LedgerCounts::CountDuplicate(const std::string& actor, bool differs) {
+void EpisodeCounts::CountDuplicate(const std::string& actor, bool differs) {
   ++duplicates;
   if (differs) ++differing_duplicates;
   ++Bounded(by_actor, actor, kMaxActors).duplicates;
 }
 
-void LedgerCounts::CountRejected(const std::string& actor, const std::string& reason) {
+void EpisodeCounts::CountRejected(const std::string& actor, const std::string& reason) {
   ++rejected;
   ++Bounded(rejected_by_reason, KindOf(reason), kMaxKinds);
   ++Bounded(by_actor, actor, kMaxActors).rejected;
 }
 
-bool LedgerCounts::HasManyActors() const { return by_actor.size() >= kManyActors; }
+bool EpisodeCounts::HasManyActors() const { return by_actor.size() >= kManyActors; }
 
-void LedgerCounts::KeepActors(const std::set<std::string>& present) {
+void EpisodeCounts::KeepActors(const std::set<std::string>& present) {
   std::erase_if(by_actor, [&](const auto& entry) { return !present.contains(entry.first); });
 }
 

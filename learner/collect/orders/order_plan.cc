@@ -1,0 +1,194 @@
+#include "learner/collect/orders/order_plan.h"
+
+#include <algorithm>
+#include <map>
+
+namespace metronome {
+
+OrderPlan::OrderPlan(const OrderRules& rules, NumberBook* book, Trust* trust)
+    : rules_(rules), book_(*book), trust_(*trust), patience_(rules) {}
+
+void OrderPlan::Join(std::uint64_t actor_id, const std::string& host, std::uint32_t slots,
+                     TimePoint now) {
+  CountIdle(now);
+  roster_.Join(actor_id, host, slots);
+}
+
+std::size_t OrderPlan::Lose(std::uint64_t actor_id, TimePoint now) {
+  CountIdle(now);
+  const std::vector<std::uint64_t> numbers = roster_.Leave(actor_id);
+  for (const std::uint64_t number : numbers) book_.TakeBack(number, actor_id);
+  return numbers.size();
+}
+
+void OrderPlan::Free(std::uint64_t number, std::uint64_t actor_id, TimePoint now) {
+  CountIdle(now);
+  trust_.Brought(actor_id);
+  if (const auto took = roster_.Release(actor_id, number, now)) patience_.Learn(*took);
+  book_.TakeBack(number, actor_id);
+}
+
+std::vector<Assignment> OrderPlan::HandOut(TimePoint now) {
+  CountIdle(now);
+  std::vector<Assignment> plan;
+  GiveUpLost(now);
+  AskOthers(now, plan);
+  AskForOpen(now, plan);
+  AskForLate(now, plan);
+  return plan;
+}
+
+// An order that nothing came of for very long (a sample dropped on the way, an actor that hangs)
+// does not block its slot for ever. But its actor may merely be slow, so it rests before it is
+// asked again: else a machine that is suddenly slower would be buried under repeated orders.
+void OrderPlan::GiveUpLost(TimePoint now) {
+  const auto is_lost = [&](const Roster::Order& order) {
+    return now - order.since >= LostAfter(order);
+  };
+  for (const auto& actor : roster_.actors()) {
+    const std::vector<std::uint64_t> numbers = roster_.GiveUp(actor.first, is_lost);
+    if (numbers.empty()) continue;
+    for (const std::uint64_t number : numbers) book_.TakeBack(number, actor.first);
+    trust_.GaveUp(actor.first, now);
+  }
+}
+
+std::chrono::nanoseconds OrderPlan::LostAfter(const Roster::Order& order) const {
+  const Number* number = book_.Find(order.number);
+  return patience_.Lost(number == nullptr ? 1 : number->tries);
+}
+
+// Near the end no order waits in one actor's queue while another's slot may fall idle.
+std::uint32_t OrderPlan::OrdersPerSlot() const {
+  return book_.open().size() <= roster_.slots() ? 1 : rules_.orders_per_slot;
+}
+
+// Whoever is on another host, were it busy or flapping: two processes of one machine may well make
+// the same mistake.
+void OrderPlan::AskOthers(TimePoint now, std::vector<Assignment>& plan) {
+  const std::set<std::uint64_t> again = book_.open_again();
+  for (const std::uint64_t number : again) {
+    const Number& entry = *book_.Find(number);
+    const auto is_elsewhere = [&](const Candidate& actor) {
+      return !entry.WasHeardOn(actor.second.host);
+    };
+    const bool elsewhere =
+        std::any_of(roster_.actors().begin(), roster_.actors().end(), [&](const Candidate& actor) {
+          return !trust_.StateOf(actor.first, now).silent && is_elsewhere(actor);
+        });
+    const auto actor_id = LeastLoaded(
+        entry, OrdersPerSlot(),
+        [&](const Candidate& actor) { return !elsewhere || is_elsewhere(actor); }, now);
+    if (actor_id) Ask(*actor_id, number, now, plan);
+  }
+}
+
+// Who gave up an order, or comes and goes, is asked only when nobody else is there.
+void OrderPlan::AskForOpen(TimePoint now, std::vector<Assignment>& plan) {
+  const auto is_reliable = [&](const Candidate& actor) {
+    return trust_.StateOf(actor.first, now).reliable();
+  };
+  const auto& actors = roster_.actors();
+  const bool any_reliable = std::any_of(actors.begin(), actors.end(), is_reliable);
+  const auto may_be_asked = [&](const Candidate& actor) {
+    return !any_reliable || is_reliable(actor);
+  };
+  while (!book_.open().empty()) {
+    const std::uint64_t number = *book_.open().begin();
+    const auto actor_id = LeastLoaded(*book_.Find(number), OrdersPerSlot(), may_be_asked, now);
+    if (!actor_id) return;
+    Ask(*actor_id, number, now, plan);
+  }
+}
+
+// What is late at everyone who plays it goes to one more idle slot: the first result wins. Numbers
+// that wait for another host to play them again may wait for ever: they hold nothing up here.
+void OrderPlan::AskForLate(TimePoint now, std::vector<Assignment>& plan) {
+  if (!book_.open().empty()) return;
+  // Anybody's: the slot is idle, and a result that comes twice does no harm.
+  const auto anybody = [](const Candidate&) { return true; };
+  for (const std::uint64_t number : LateEverywhere(now)) {
+    const auto actor_id = LeastLoaded(*book_.Find(number), 1, anybody, now);
+    if (actor_id) Ask(*actor_id, number, now, plan);
+  }
+}
+
+std::vector<std::uint64_t> OrderPlan::LateEverywhere(TimePoint now) const {
+  const auto patience = patience_.Late();
+  std::map<std::uint64_t, bool> late;
+  for (const auto& actor : roster_.actors()) {
+    for (const Roster::Order& order : actor.second.orders) {
+      const Number* number = book_.Find(order.number);
+      if (number == nullptr || number->state != Number::State::kOut) continue;
+      bool& everywhere = late.emplace(order.number, true).first->second;
+      everywhere = everywhere && now - order.since >= patience;
+    }
+  }
+  std::vector<std::uint64_t> numbers;
+  for (const auto& [number, everywhere] : late) {
+    if (everywhere) numbers.push_back(number);
+  }
+  return numbers;
+}
+
+// Of those who do not play it yet and may.
+std::optional<std::uint64_t> OrderPlan::LeastLoaded(const Number& number,
+                                                    std::uint32_t orders_per_slot,
+                                                    const MayBeAsked& may_be_asked,
+                                                    TimePoint now) const {
+  return roster_.LeastLoaded([&](const Candidate& actor) -> std::size_t {
+    const auto& holders = number.holders;
+    const bool plays_it = std::find(holders.begin(), holders.end(), actor.first) != holders.end();
+    if (plays_it || !number.MayBePlayedBy(actor.first, actor.second.host)) return 0;
+    if (!may_be_asked(actor)) return 0;
+    if (trust_.StateOf(actor.first, now).silent) return 1;
+    return std::size_t{actor.second.slots} * orders_per_slot;
+  });
+}
+
+void OrderPlan::Ask(std::uint64_t actor_id, std::uint64_t number, TimePoint now,
+                    std::vector<Assignment>& plan) {
+  const bool first = book_.HandOut(number, {actor_id, roster_.actors().at(actor_id).host});
+  if (!first) ++reordered_;
+  roster_.Give(actor_id, number, now);
+  const std::uint64_t version = BehaviourVersion(rules_, number);
+  const auto same = std::find_if(plan.begin(), plan.end(), [&](const Assignment& assignment) {
+    return assignment.actor_id == actor_id && assignment.weights_version == version;
+  });
+  if (same != plan.end()) {
+    same->numbers.push_back(number);
+  } else {
+    plan.push_back({actor_id, version, {number}});
+  }
+}
+
+std::optional<OrderPlan::TimePoint> OrderPlan::NextDeadline(TimePoint now) const {
+  std::optional<TimePoint> next = trust_.NextDeadline(now);
+  for (const auto& actor : roster_.actors()) {
+    for (const Roster::Order& order : actor.second.orders) {
+      // A late order without an idle slot waits for an event, not for time: then the loss is next.
+      TimePoint due = order.since + patience_.Late();
+      if (due <= now) due = order.since + LostAfter(order);
+      if (!next || due < *next) next = due;
+    }
+  }
+  return next;
+}
+
+bool OrderPlan::HasOther(std::uint64_t number, TimePoint now) const {
+  const Number* entry = book_.Find(number);
+  const auto& actors = roster_.actors();
+  return std::any_of(actors.begin(), actors.end(), [&](const Candidate& actor) {
+    return !trust_.StateOf(actor.first, now).silent &&
+           entry->MayBePlayedBy(actor.first, actor.second.host);
+  });
+}
+
+void OrderPlan::CountIdle(TimePoint now) { idle_.Count(roster_.slots(), roster_.idle(), now); }
+
+double OrderPlan::TakeIdleShare(TimePoint now) {
+  CountIdle(now);
+  return idle_.TakeShare();
+}
+
+}  // namespace metronome

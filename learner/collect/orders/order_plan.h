@@ -1,0 +1,88 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "learner/collect/orders/idle_time.h"
+#include "learner/collect/orders/number_book.h"
+#include "learner/collect/orders/order_rules.h"
+#include "learner/collect/orders/patience.h"
+#include "learner/collect/orders/roster.h"
+#include "learner/collect/trust/trust.h"
+
+namespace metronome {
+
+/// Numbers to be sent to one actor, all to be played under one weights version.
+struct Assignment {
+  std::uint64_t actor_id = 0;
+  std::uint64_t weights_version = 0;
+  std::vector<std::uint64_t> numbers;  // in the order to play them
+  bool operator==(const Assignment&) const = default;
+};
+
+/// Who plays which episode: open numbers go to the least loaded slots, lowest first, late ones to
+/// idle slots too, lost ones to anybody. Pure logic on given time points, which must not decrease;
+/// not thread-safe.
+class OrderPlan {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+
+  /// @param book   where the numbers are. @param trust  in the actors that join here. Both must
+  /// outlive the plan.
+  OrderPlan(const OrderRules& rules, NumberBook* book, Trust* trust);
+
+  /// The actor is there (again) with so many slots; at least 1.
+  void Join(std::uint64_t actor_id, const std::string& host, std::uint32_t slots, TimePoint now);
+  /// What it has not brought is open again at once. @return how many orders that were.
+  std::size_t Lose(std::uint64_t actor_id, TimePoint now);
+  /// The actor has brought this number, wanted or not: if it was ordered from it, its slot is free.
+  void Free(std::uint64_t number, std::uint64_t actor_id, TimePoint now);
+
+  /// Hands out what is due. The caller sends it; if that fails, it calls Lose.
+  std::vector<Assignment> HandOut(TimePoint now);
+  /// When HandOut has work to do even if nothing happens; std::nullopt: never.
+  [[nodiscard]] std::optional<TimePoint> NextDeadline(TimePoint now) const;
+
+  /// An actor is there that may be asked for a number that was heard, and that answers its orders.
+  [[nodiscard]] bool HasOther(std::uint64_t number, TimePoint now) const;
+  [[nodiscard]] const Roster& roster() const { return roster_; }
+  /// Orders of numbers that had been ordered before, and not for a second opinion.
+  [[nodiscard]] std::uint64_t reordered() const { return reordered_; }
+  /// Share of slot time without an order since the last call, in [0, 1]; 0 without slots.
+  double TakeIdleShare(TimePoint now);
+
+ private:
+  using Number = NumberBook::Number;
+  using Candidate = Roster::Actors::value_type;
+  using MayBeAsked = std::function<bool(const Candidate&)>;
+
+  void CountIdle(TimePoint now);
+  void GiveUpLost(TimePoint now);
+  [[nodiscard]] std::chrono::nanoseconds LostAfter(const Roster::Order& order) const;
+  void AskOthers(TimePoint now, std::vector<Assignment>& plan);
+  void AskForOpen(TimePoint now, std::vector<Assignment>& plan);
+  void AskForLate(TimePoint now, std::vector<Assignment>& plan);
+  [[nodiscard]] std::vector<std::uint64_t> LateEverywhere(TimePoint now) const;
+  [[nodiscard]] std::uint32_t OrdersPerSlot() const;
+  [[nodiscard]] std::optional<std::uint64_t> LeastLoaded(const Number& number,
+                                                         std::uint32_t orders_per_slot,
+                                                         const MayBeAsked& may_be_asked,
+                                                         TimePoint now) const;
+  void Ask(std::uint64_t actor_id, std::uint64_t number, TimePoint now,
+           std::vector<Assignment>& plan);
+
+  OrderRules rules_;
+  NumberBook& book_;
+  Trust& trust_;
+  Roster roster_;
+  Patience patience_;
+  IdleTime idle_;
+  std::uint64_t reordered_ = 0;
+};
+
+}  // namespace metronome

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace metronome {
+
+/// The actors that are there, their slots and the orders that each has. Pure bookkeeping on given
+/// time points; not thread-safe.
+class Roster {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+
+  struct Order {
+    std::uint64_t number = 0;
+    TimePoint since;  // sent, or later: when a slot became free for it
+  };
+  struct Actor {
+    std::string host;
+    std::uint32_t slots = 1;
+    // The first `slots` are being played, the others wait. May hold numbers that are learnt from:
+    // what was late and came from elsewhere keeps its slot busy none the less.
+    std::vector<Order> orders;
+    std::vector<Order> given_up;  // the last few; they may come yet
+  };
+  using Actors = std::map<std::uint64_t, Actor>;  // by id
+
+  /// The actor is there (again) with so many slots; at least 1.
+  void Join(std::uint64_t actor_id, const std::string& host, std::uint32_t slots);
+  /// @return the numbers that it still had.
+  std::vector<std::uint64_t> Leave(std::uint64_t actor_id);
+
+  void Give(std::uint64_t actor_id, std::uint64_t number, TimePoint now);
+  /// The actor has brought it: the order that waited longest begins.
+  /// @return how long it took; std::nullopt if it was not ordered from this actor, or long ago.
+  std::optional<std::chrono::nanoseconds> Release(std::uint64_t actor_id, std::uint64_t number,
+                                                  TimePoint now);
+  /// Takes away the orders that `is_lost`. @return their numbers.
+  std::vector<std::uint64_t> GiveUp(std::uint64_t actor_id,
+                                    const std::function<bool(const Order&)>& is_lost);
+
+  [[nodiscard]] const Actors& actors() const { return actors_; }
+  [[nodiscard]] std::uint64_t slots() const;
+  /// Slots without an order.
+  [[nodiscard]] std::uint64_t idle() const;
+  /// The actor with the least orders a slot, of those that have less than `room` says they may;
+  /// std::nullopt if there is none. The lower id of two.
+  [[nodiscard]] std::optional<std::uint64_t> LeastLoaded(
+      const std::function<std::size_t(const Actors::value_type&)>& room) const;
+
+ private:
+  Actors actors_;
+};
+
+}  // namespace metronome

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <optional>
+
+#include "common/messages/bus.h"
+#include "learner/collect/collector.h"
+#include "learner/learning/learning.h"
+#include "learner/run/background.h"
+
+namespace metronome {
+
+/// The hand-over of a batch to the thread that learns from it, and of what came of it back. For one
+/// thread, the coordinator's.
+class BackgroundUpdate {
+ public:
+  using TimePoint = Clock::time_point;
+
+  /// What came of a batch.
+  struct Outcome {
+    Collector::Collected collected;
+    double collect_seconds = 0;
+    UpdateReport report;
+    double seconds = 0;        // that learning took
+    std::exception_ptr error;  // in place of the report
+  };
+
+  /// @param wake  called by the other thread once there is an outcome. All must outlive this.
+  BackgroundUpdate(Learning* learning, Background* background, std::function<TimePoint()> now,
+                   std::function<void()> wake);
+  /// Waits for the other thread.
+  ~BackgroundUpdate();
+  BackgroundUpdate(const BackgroundUpdate&) = delete;
+  BackgroundUpdate& operator=(const BackgroundUpdate&) = delete;
+
+  /// @throws std::logic_error while another one runs.
+  void Start(Collector::Collected collected, double collect_seconds);
+  /// Between Start and the outcome's being taken.
+  [[nodiscard]] bool runs() const { return runs_; }
+  /// Never blocks for long. @return what came of it, once.
+  std::optional<Outcome> Take();
+
+ private:
+  void Learn(Outcome outcome);
+
+  Learning& learning_;
+  Background& background_;
+  std::function<TimePoint()> now_;
+  std::function<void()> wake_;
+  bool runs_ = false;
+  std::mutex mutex_;
+  std::optional<Outcome> outcome_;  // guarded by mutex_
+};
+
+}  // namespace metronome
