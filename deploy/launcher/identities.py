@@ -4,7 +4,7 @@ import os
 import sys
 
 import children
-from options import ROOT
+from options import ROOT, given
 
 
 def make_missing(options):
@@ -15,7 +15,8 @@ def make_missing(options):
         return  # copied here without what could make more; the processes name what they lack
     command = [ROOT / "deploy" / "security", folder, "--run", options.run]
     command += ["--actors", options.actors]
-    command += [] if options.domain is None else ["--domain", options.domain]
+    domain = given(options, "--domain")
+    command += [] if domain is None else ["--domain", domain]
     code = children.run_in_foreground([str(word) for word in command])
     if code != 0:
         sys.exit(code)

@@ -5,6 +5,7 @@ import difflib
 import os
 import re
 import shlex
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -13,7 +14,10 @@ import cores
 import folders
 
 ROOT = Path(__file__).resolve().parents[2]
-METHODS = ("multihead", "ppo", "ppo-time")
+# Options without a value: the launcher's own, then those of the learner that may stand before TASK.
+FLAGS = ("-h", "--help", "--resume", "--new-total")
+# Options of the learner that the launcher itself sets, to read what the learner says.
+SET_HERE = ("--progress", "--runs-dir", "--log-format")
 # A run's name is a folder and a DDS partition, where * ? [ ] would be patterns.
 RUN_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 RUN_NAME_RULE = "1 to 64 letters, digits, '.', '_' or '-', a letter or digit first"
@@ -57,27 +61,22 @@ def _run_name(text):
 def _parser():
     parser = argparse.ArgumentParser(
         prog="deploy/train",
+        usage="deploy/train [TASK] [OPTION...]",
+        add_help=False,
         allow_abbrev=False,
         description="Learns a task on this machine: a learner and actors as child processes, after "
         "setting up if needed. Ctrl-C stops all with a checkpoint; --resume goes on.",
-        epilog="Results are kept in runs/NAME/. More machines join with: "
-        "build/bin/metronome-actor run --run NAME --network lan",
+        epilog="All other options go to the learner: --heads, --steps, --seed, --config, --set, --network, "
+        "... are listed below, or, before set-up, in README.md. Results are kept in runs/NAME/. More "
+        "machines join with: build/bin/metronome-actor run --run NAME --network lan",
     )
+    parser.add_argument("-h", "--help", action="store_true", help="show this and end")
     parser.add_argument(
         "task",
         metavar="TASK",
         nargs="?",
         help="assembly, bin-picking, box-close, push (-v2 and -v3 mean the same); "
         "may be left to --config",
-    )
-    parser.add_argument(
-        "--method",
-        type=_one_of(METHODS),
-        help="multihead: k heads, time picks one (default); ppo: one head; "
-        "ppo-time: one head that also sees the time",
-    )
-    parser.add_argument(
-        "--heads", type=_whole(1), metavar="K", help="heads of multihead (default 10)"
     )
     parser.add_argument(
         "--actors",
@@ -95,56 +94,13 @@ def _parser():
         help="episodes that each actor plays at once (default 1)",
     )
     parser.add_argument(
-        "--steps", type=_whole(1), metavar="S", help="environment steps in all (default 2000000)"
-    )
-    parser.add_argument(
-        "--seed",
-        type=_whole(0, 2**64 - 1),
-        metavar="N",
-        help="key of every random stream (default 1)",
-    )
-    parser.add_argument(
         "--run",
         type=_run_name,
         metavar="NAME",
-        help="the run's name (default: a new one from task, method, seed and time)",
+        help="the run's name (default: a new one from task, what of --method and --seed is given, and time)",
     )
     parser.add_argument(
         "--resume", action="store_true", help="go on with --run from its newest checkpoint"
-    )
-    parser.add_argument(
-        "--new-total",
-        action="store_true",
-        help="with --resume: let --steps differ (the learning rate depends on it)",
-    )
-    parser.add_argument(
-        "--config", metavar="F", help="configuration in Protobuf text format (common/schema/config.proto)"
-    )
-    parser.add_argument(
-        "--set",
-        metavar="a.b=c",
-        action="append",
-        default=[],
-        help="one configuration value, e.g. ppo.clip=0.1; may be repeated",
-    )
-    parser.add_argument(
-        "--from",
-        metavar="CHECKPOINT",
-        help="begin a new run with this checkpoint's weights and observation statistics: of the "
-        "same method, heads and sizes",
-    )
-    parser.add_argument(
-        "--placements",
-        type=_one_of(("random", "fixed", "mt1")),
-        help="where objects and goals start (default random)",
-    )
-    parser.add_argument(
-        "--horizon", type=_whole(1, 500), metavar="T", help="steps an episode (default 500)"
-    )
-    parser.add_argument(
-        "--goal",
-        type=_one_of(("visible", "hidden")),
-        help="whether observations show the goal (default visible)",
     )
     parser.add_argument(
         "--mujoco",
@@ -152,37 +108,12 @@ def _parser():
         default="2.2.2",
         help="engine (default %(default)s)",
     )
-    parser.add_argument("--domain", type=_whole(0, 232), metavar="N", help="DDS domain (default 0)")
-    parser.add_argument("--transport", type=_one_of(("udp", "shm", "tcp")), help="default udp")
-    parser.add_argument(
-        "--network",
-        metavar="loopback|lan|PEERS",
-        help="who can join: this machine only (default), the local network, or named hosts; "
-        "with tcp this machine's address, HOST[:PORT], as others are to connect to it",
-    )
-    parser.add_argument(
-        "--discovery-server",
-        metavar="HOST[:PORT],...",
-        help="Fast DDS Discovery Servers that introduce peers in place of multicast; "
-        "with --network lan",
-    )
     parser.add_argument(
         "--security",
         type=Path,
         metavar="DIR",
         help="only identities of the run's own authority take part, all is encrypted; DIR is made, "
         "or added to, by deploy/security",
-    )
-    parser.add_argument(
-        "--audit",
-        metavar="X",
-        help="share of episodes, 0 to 1, that two actors play and that must agree bit for bit "
-        "(default 0)",
-    )
-    parser.add_argument(
-        "--metrics",
-        metavar="[HOST:]PORT",
-        help="show the run to Prometheus there (default off; HOST 127.0.0.1 unless given)",
     )
     parser.add_argument(
         "--runs",
@@ -206,14 +137,33 @@ def is_run(folder):
     return any(os.path.exists(folder / name) for name in ("config.textproto", "checkpoints"))
 
 
+def _joined(arguments):
+    """Each option and its value as one word, so that a value is not taken for TASK."""
+    words = []
+    for word in arguments:
+        option = words and words[-1].startswith("--") and "=" not in words[-1]
+        if option and words[-1] not in FLAGS and not word.startswith("--"):
+            words[-1] += f"={word}"
+        else:
+            words.append(word)
+    return words
+
+
+def given(options, name):
+    """@return the value of an option of the learner, the last one; None without."""
+    values = [word.partition("=")[2] for word in options.learner if word.startswith(f"{name}=")]
+    return values[-1] if values else None
+
+
 def _fresh_name(options):
+    seed = given(options, "--seed")
     parts = (
         options.task or "run",
-        options.method or "multihead",
-        f"s{1 if options.seed is None else options.seed}",
+        given(options, "--method"),
+        seed and f"s{seed}",
         time.strftime("%Y%m%d-%H%M%S"),
     )
-    base = re.sub(r"[^A-Za-z0-9._-]", "_", "-".join(parts)).lstrip("._-")[:58]
+    base = re.sub(r"[^A-Za-z0-9._-]", "_", "-".join(filter(None, parts))).lstrip("._-")[:58]
     name, count = base, 1
     while os.path.exists(options.runs / name):
         count += 1
@@ -246,7 +196,8 @@ def _require_run_folder(parser, options):
 def warning(options):
     """@return a line about what is asked for and costs more than it gives; None: nothing is."""
     count, limit = cores.usable(), cores.quota()
-    threads = re.findall(r"^runtime\.learner_threads=(\d+)$", "\n".join(options.set), re.M)
+    sets = r"--(?:threads|set=runtime\.learner_threads)=(\d+)"
+    threads = [found[1] for word in options.learner if (found := re.fullmatch(sets, word))]
     asked = {
         "episodes at once (--actors times --envs)": options.actors * options.envs,
         "threads of the learner": int(threads[-1]) if threads else 0,
@@ -258,23 +209,48 @@ def warning(options):
     return f"{much} on {here}: that is slower than one on each core"
 
 
-def parse(arguments):
-    """Options with .run and .folder filled in. Exits 2 on what cannot be right."""
-    parser = _parser()
-    options = parser.parse_args(arguments)
-    options.named = options.run is not None
-    if options.task is None and options.config is None and not options.resume:
-        parser.error("which task? For example: deploy/train push")
+def _show_help(parser, build):
+    """The launcher's options, and the learner's where there is one to ask."""
+    print(parser.format_help(), end="", flush=True)
+    learner = (build or ROOT / "build") / "bin" / "metronome-learner"
+    if os.path.isfile(learner):
+        said = subprocess.run([learner, "run", "--help"], capture_output=True, text=True)
+        ours = re.compile(rf" +(-h|--task|--run|--resume|--security|{'|'.join(SET_HERE)})\b")
+        lines = said.stdout.partition("Options:\n")[2].splitlines()
+        print("\noptions of the learner:", *(line for line in lines if not ours.match(line)), sep="\n")
+
+
+def _require_for_learner(parser, options):
+    """What of the learner's options can be judged before it is built."""
+    for word in options.learner:
+        name = word.partition("=")[0]
+        if not word.startswith("-"):
+            parser.error(f"unexpected argument '{word}'")
+        if name in SET_HERE:
+            parser.error(f"{name} is set by deploy/train itself; leave it out")
     # A run gone on with has read its weights; it only compares the name.
-    for name in ("config", *["from"] * (not options.resume)):
-        path = getattr(options, name)
+    for name in ("--config", *["--from"] * (not options.resume)):
+        path = given(options, name)
         try:
             if path is not None:
                 folders.require_file(path)
         except OSError as error:
-            parser.error(f"--{name}: {error}")
-    if options.new_total and not options.resume:
-        parser.error("--new-total is for --resume")
+            parser.error(f"{name}: {error}")
+
+
+def parse(arguments):
+    """Options with .run and .folder filled in; .learner are the words for the learner, each option
+    with its value in one word. Exits 2 on what cannot be right, 0 after help."""
+    parser = _parser()
+    options, learner = parser.parse_known_args(_joined(arguments))
+    options.learner = learner
+    if options.help:
+        _show_help(parser, options.build)
+        sys.exit(0)
+    options.named = options.run is not None
+    if options.task is None and given(options, "--config") is None and not options.resume:
+        parser.error("which task? For example: deploy/train push")
+    _require_for_learner(parser, options)
     if options.resume and not options.named:
         parser.error("--resume needs --run NAME: the run to go on with")
     _require_places(parser, options)
@@ -305,33 +281,11 @@ def learner_command(options):
         "--progress",
         "json",
     ]
-    for name in (
-        "task",
-        "method",
-        "heads",
-        "steps",
-        "seed",
-        "config",
-        "from",
-        "placements",
-        "horizon",
-        "goal",
-        "domain",
-        "transport",
-        "network",
-        "discovery-server",
-        "audit",
-        "metrics",
-    ):
-        value = getattr(options, name.replace("-", "_"))
-        if value is not None:
-            command += [f"--{name}", str(value)]
+    command += [f"--task={options.task}"] if options.task is not None else []
+    command += options.learner
     if options.security is not None:
         command += ["--security", str(options.security / "learner")]
-    for assignment in options.set:
-        command += ["--set", assignment]
-    command += ["--resume"] if options.resume else []
-    return command + (["--new-total"] if options.new_total else [])
+    return command + (["--resume"] if options.resume else [])
 
 
 def actor_command(options, index, started):
@@ -345,9 +299,8 @@ def actor_command(options, index, started):
         str(options.envs),
     ]
     for name in ("domain", "transport", "network", "discovery-server"):
-        field = name.replace("-", "_")
-        value = started.get(field, getattr(options, field))
-        if value not in (None, ""):
+        value = started[name.replace("-", "_")]
+        if value != "":
             command += [f"--{name}", str(value)]
     # Of a run gone on with the learner knows it.
     security = options.security or (started.get("security") and Path(started["security"]).parent)

@@ -130,6 +130,41 @@ def test_usage_errors_exit_2_and_leave_nothing(stage, options):
     assert not (stage.runs / "run").exists()
 
 
+def test_the_learners_options_are_the_learners_alone(stage):
+    launcher = train(stage, "--threads", "1", "--run", "run", "--checkpoint-every=8", "--set", "ppo.clip=0.25")
+    assert launcher.wait() == 0, launcher
+    config = (stage.runs / "run" / "config.textproto").read_text()
+    for line in ("learner_threads: 1", "checkpoint_every: 8", "clip: 0.25"):
+        assert line in config, config
+
+
+@pytest.mark.parametrize("options, says", [
+    (("--chekpoint-every", 8), '"--chekpoint-every"; did you mean "--checkpoint-every"?'),
+    (("--heads",), "--heads"),
+    (("--heads", "-5"), "--heads: policy.heads is -5"),
+    (("--progress", "lines"), "--progress is set by deploy/train itself"),
+    (("more",), "unexpected argument 'more'"),
+], ids=lambda value: value[0] if isinstance(value, tuple) else "")
+def test_options_that_nobody_knows_are_named_and_leave_nothing(stage, options, says):
+    launcher = train(stage, "--run", "run", *options)
+    assert launcher.wait(60) == 2, launcher
+    assert says in launcher.text, launcher
+    assert not (stage.runs / "run").exists()
+
+
+def test_a_task_may_stand_behind_the_learners_options(stage):
+    launcher = train(stage, small=[None, "--threads", "1", "--new-total", "push", "--run", "run", *SMALL[2:]])
+    assert launcher.wait(60) == 2, launcher
+    assert "--new-total is for --resume" in launcher.text, launcher  # so push was no value of it
+
+
+def test_help_lists_the_learners_options_too(stage):
+    launcher = stage.start(TRAIN, "--build", BUILD, "--help")
+    assert launcher.wait(30) == 0, launcher
+    for option in ("--actors", "--threads", "--checkpoint-every", "--set"):
+        assert re.search(rf"^ +{option} ", launcher.text, re.M), launcher
+
+
 @pytest.mark.parametrize("option", ["--config", "--from", "--build", "--security", "--runs"])
 def test_a_name_that_is_too_long_is_named(stage, option):
     launcher = train(stage, "--run", "run", option, "x" * 300)
