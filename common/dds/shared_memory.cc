@@ -87,9 +87,12 @@ SharedMemoryNote::SharedMemoryNote(const std::string& run_name, std::uint32_t do
   if (!turn_.Lock()) Refuse(ErrorOf(kSharedMemoryFolder));
   const std::string prefix = PrefixOf(run_name, domain);
   const Others others = RemoveLeftovers(prefix);
-  path_ = std::string(kSharedMemoryFolder) + "/" + prefix + std::to_string(getpid()) + "-" +
-          std::to_string(++count);
-  file_ = LockedFile(path_, O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW);
+  do {
+    path_ = std::string(kSharedMemoryFolder) + "/" + prefix + std::to_string(getpid()) + "-" +
+            std::to_string(++count);
+    file_ = LockedFile(path_, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW);
+    // A process of the same id in another container has that one.
+  } while (file_.get() < 0 && errno == EEXIST);
   if (!file_.Lock()) Refuse(ErrorOf(path_));
   const bool with_an_actor = for_an_actor_too && others.alive == 0;
   std::uint32_t bytes = SegmentBytes(role) + kPortBytes;

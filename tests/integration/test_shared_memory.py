@@ -87,6 +87,28 @@ def test_who_takes_the_place_of_a_killed_actor_waits_for_its_room(stage):
         newcomer.expect_text("joined run")
 
 
+class Container:
+    """Process ids of its own in what `mounts` has: its first process is 1 there."""
+
+    def __init__(self, mounts):
+        self._mounts = mounts
+
+    def process(self, *command):
+        return self._mounts.process("unshare", "--pid", "--fork", "--kill-child", *command)
+
+
+def test_containers_that_share_it_may_have_the_same_process_ids(stage):
+    expected = stage.train("calm")
+    with machine("128m") as small:
+        learner = stage.learner("run", *SHM, host=Container(small))
+        learner.expect_event("started")
+        team = [stage.actor("run", *SHM, host=Container(small)) for _ in range(2)]
+        for actor in team:
+            actor.expect_text("joined run")
+        assert stage.finish("run", learner, team) == expected
+        assert not files_of(small)
+
+
 class Holding:
     """Processes of `mounts` that have a file open, which they tell."""
 

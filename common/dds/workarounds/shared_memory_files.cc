@@ -2,11 +2,11 @@
 
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -102,7 +102,12 @@ std::set<std::string> MappedSegments() {
 
 std::uint32_t SharedMemoryPort() {
   constexpr std::uint32_t kFirst = 1 << 16;
-  return kFirst + static_cast<std::uint32_t>(getpid());
+  constexpr std::uint32_t kLast = std::uint32_t{1} << 31;
+  static const std::uint32_t port = [] {
+    std::random_device random;
+    return std::uniform_int_distribution<std::uint32_t>(kFirst, kLast)(random);
+  }();
+  return port;
 }
 
 Others RemoveLeftovers(const std::string& prefix) {

@@ -10,8 +10,9 @@ namespace metronome::dds {
 
 inline constexpr const char* kSharedMemoryFolder = "/dev/shm";  // what shm_open(3) takes
 
-/// Shared-memory ports are numbered by process, beyond any UDP port: a killed process leaves its
-/// port behind locked, and one that takes its place must not run into it.
+/// A random number for each process, beyond any UDP port: a killed process leaves its port behind
+/// locked, and one that takes its place must not run into it; process ids would be the same in
+/// containers that share the folder.
 std::uint32_t SharedMemoryPort();
 
 /// Processes of a run that had notes.
