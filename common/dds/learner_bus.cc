@@ -80,7 +80,7 @@ class DdsLearnerBus final : public LearnerBus {
       }
       if (auto* bad = std::get_if<BadSample>(&taken->content)) return std::move(*bad);
       auto& status = std::get<ActorStatus>(taken->content);
-      status.vouched_host = status.host;
+      status.vouched_host = participant_.HostOf(taken->writer);
       status_watch_.Saw(taken->writer, status.actor_id);
       return std::move(status);
     }

@@ -64,14 +64,26 @@ void TakeOverLog() {
   });
 }
 
-/// Says that somebody was turned away, who to himself and to others looks like one that is not
-/// there. A few times a process: outsiders try again for ever.
-class SecurityLog final : public LeaseRaceGuard {
+/// Notes who the others are, and says that somebody was turned away, who to himself and to others
+/// looks like one that is not there.
+class Listener final : public fdds::DomainParticipantListener {
  public:
+  /// @param inner  may be null. Both must outlive the listener.
+  Listener(PeerHosts* hosts, DiscoveryClient* inner) : hosts_(*hosts) {
+    if (inner != nullptr) inner_ = inner;
+  }
+
+  void on_participant_discovery(fdds::DomainParticipant* participant,
+                                Discovered&& discovered) override {
+    hosts_.Note(discovered);
+    inner_->on_participant_discovery(participant, std::move(discovered));
+  }
+
   void onParticipantAuthentication(
       fdds::DomainParticipant* /*participant*/,
       eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override {
-    if (info.status == info.AUTHORIZED_PARTICIPANT || times_++ >= kMostTimes) return;
+    static std::atomic<int> times{0};  // a few a process: outsiders try again for ever
+    if (info.status == info.AUTHORIZED_PARTICIPANT || times++ >= kMostTimes) return;
     spdlog::warn(
         "turned away a process of this DDS domain whose identity is not good here: it has no "
         "--security, or one that another authority made, or that is expired or revoked");
@@ -79,14 +91,10 @@ class SecurityLog final : public LeaseRaceGuard {
 
  private:
   static constexpr int kMostTimes = 3;
-  std::atomic<int> times_{0};
+  PeerHosts& hosts_;
+  LeaseRaceGuard guard_;
+  LeaseRaceGuard* inner_ = &guard_;
 };
-
-/// Outlives all participants.
-fdds::DomainParticipantListener* TheListener() {
-  static SecurityLog listener;
-  return &listener;
-}
 
 /// Buses of one process talk through the transport, so that tests see what machines see.
 void SwitchIntraprocessDeliveryOff() {
@@ -103,7 +111,8 @@ ParticipantKey ParticipantOf(const fdds::InstanceHandle_t& endpoint) {
   return key;
 }
 
-Participant::Participant(const BusOptions& options, const std::string& role) {
+Participant::Participant(const BusOptions& options, const std::string& role)
+    : hosts_(!options.security.empty()) {
   CheckBusOptions(options);
   CheckIdentity(options, role);
   CheckLoopback(options.network);
@@ -117,11 +126,10 @@ Participant::Participant(const BusOptions& options, const std::string& role) {
   if (!options.discovery_servers.empty()) {
     discovery_.emplace(options.discovery_servers, !FindsLearnersAlone(role));
   }
-  fdds::DomainParticipantListener* listener = TheListener();
-  if (discovery_) listener = &*discovery_;
+  listener_ = std::make_unique<Listener>(&hosts_, discovery_ ? &*discovery_ : nullptr);
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   participant_ = Made(
-      factory->create_participant(options.domain, ParticipantQos(options, role), listener,
+      factory->create_participant(options.domain, ParticipantQos(options, role), listener_.get(),
                                   fdds::StatusMask::none()),
       "participant in domain " + std::to_string(options.domain) + " (are its UDP ports free?)");
   if (memory_) memory_->Write();

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
@@ -14,6 +13,7 @@
 #include <string>
 #include <utility>
 
+#include "common/dds/peer_hosts.h"
 #include "common/dds/shared_memory.h"
 #include "common/dds/topics.h"
 #include "common/dds/wire_type.h"
@@ -24,8 +24,6 @@ namespace metronome::dds {
 
 namespace fdds = eprosima::fastdds::dds;
 
-/// The participant part of a GUID: equal for all endpoints of one process.
-using ParticipantKey = std::array<std::uint8_t, 12>;
 ParticipantKey ParticipantOf(const fdds::InstanceHandle_t& endpoint);
 
 /// A DDS participant with one publisher and one subscriber in the run's partition, and the factory
@@ -57,6 +55,10 @@ class Participant {
 
   /// Whether the endpoint is one of this participant's own.
   [[nodiscard]] bool Owns(const fdds::InstanceHandle_t& endpoint) const;
+  /// Of the participant that an endpoint belongs to.
+  [[nodiscard]] std::string HostOf(const fdds::InstanceHandle_t& endpoint) const {
+    return hosts_.HostOf(ParticipantOf(endpoint));
+  }
   [[nodiscard]] const Traffic& traffic() const { return *traffic_; }
 
  private:
@@ -73,8 +75,11 @@ class Participant {
                                std::optional<std::uint64_t> only_actor_id);
   void DeleteAll();
 
-  std::optional<DiscoveryClient> discovery_;  // with Discovery Servers; outlives the participant
-  std::optional<SharedMemoryNote> memory_;    // outlives the participant, of whose files it tells
+  // These outlive the participant, whose listeners they are.
+  PeerHosts hosts_;
+  std::optional<DiscoveryClient> discovery_;  // with Discovery Servers
+  std::unique_ptr<fdds::DomainParticipantListener> listener_;
+  std::optional<SharedMemoryNote> memory_;  // outlives the participant, of whose files it tells
   std::shared_ptr<Traffic> traffic_ = std::make_shared<Traffic>();
   std::optional<std::uint16_t> listens_on_;  // with TCP, the learner's port
   fdds::DomainParticipant* participant_ = nullptr;

@@ -99,13 +99,14 @@ class HostileBus final : public ActorBus {
   std::optional<Spoiler> spoiler_;        // of the others
 };
 
-int Run(const BusOptions& options, const std::string& kind) {
+/// @param host  what it calls its host.
+int Run(const BusOptions& options, const std::string& kind, const std::string& host) {
   SetUpLogging("hostile-actor", {});
   ActorClientOptions client_options;
   client_options.run_name = options.run_name;
   client_options.domain = options.domain;
   client_options.actor_id = RandomId();
-  client_options.host = "hostile-" + kind;
+  client_options.host = host;
   client_options.pid = static_cast<std::uint32_t>(getpid());
   client_options.engine = EngineName();
   client_options.build = BuildIdentity();
@@ -118,6 +119,7 @@ int Main(int argc, char** argv) {
   CLI::App app("An actor that does not play by the rules");
   BusOptions options;
   std::string kind;
+  std::string host;
   std::string network = "loopback";
   std::vector<std::string> kinds = Spoiler::Kinds();
   kinds.insert(kinds.end(), std::begin(kRawKinds), std::end(kRawKinds));
@@ -125,9 +127,10 @@ int Main(int argc, char** argv) {
   app.add_option("--domain", options.domain);
   app.add_option("--network", network);
   app.add_option("--kind", kind)->required()->check(CLI::IsMember(kinds));
+  app.add_option("--host", host, "what it calls its host; hostile-KIND by default");
   CLI11_PARSE(app, argc, argv);
   options.network = ParseNetwork(network);
-  return Run(options, kind);
+  return Run(options, kind, host.empty() ? "hostile-" + kind : host);
 }
 
 }  // namespace

@@ -32,8 +32,9 @@ TEST_P(DdsBusTest, EveryMessageArrivesAsItWasSent) {
   EXPECT_EQ(Next<PolicySnapshot>(*actor), snapshot);
 
   ASSERT_TRUE(Join(*learner, *actor, kBig));
-  const ActorStatus status = SomeStatus(kBig);
+  ActorStatus status = SomeStatus(kBig);
   actor->Send(status);
+  status.vouched_host = "127.0.0.1";
   EXPECT_EQ(Next<ActorStatus>(*learner), status);
   EpisodeOrder order = SomeOrder(kBig, 40);
   order.kind = EpisodeOrder::Kind::kRefuse;

@@ -133,6 +133,7 @@ TEST(DdsHostileTest, StatusOfAnotherProtocolVersionTellsItsVersionAndWhoItIs) {
   header_alone.protocol_version = kProtocolVersion + 7;
   header_alone.actor_id = 11;
   header_alone.incarnation = 3;
+  header_alone.vouched_host = "127.0.0.1";
   std::optional<ActorStatus> seen;
   for (const auto deadline = Soon(); !seen && Clock::now() < deadline;) {
     actor->Send(status);  // nobody keeps it for a learner that is not matched yet

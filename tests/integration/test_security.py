@@ -11,7 +11,7 @@ import pytest
 
 import capture
 import namespaces
-from harness import ACTOR, BUILD, LEARNER, LONG, LONG_UPDATES, ROOT, SMALL, parse_json
+from harness import ACTOR, BUILD, ENDLESS, LEARNER, LONG, LONG_UPDATES, ROOT, SMALL, parse_json
 from test_clocks import LIBRARY, Clock
 
 sys.path.insert(0, str(ROOT / "deploy" / "credentials"))
@@ -152,6 +152,21 @@ def test_outsiders_get_nothing_and_change_nothing(stage, identities, tmp_path, e
     assert "joins" not in stranger.text, stranger
     for process in (learner, *outsiders):
         assert len(process.lines) < 60, process  # no endless complaints
+
+
+def test_an_actors_host_is_its_certificate_whatever_its_process_or_address(stage, tmp_path):
+    folder = make(tmp_path / "two", "run", stage.domain, "--actors", 2)
+    learner = stage.learner("run", *secured(folder / "learner"), small=ENDLESS)
+
+    def host_of(identity):
+        actor = stage.actor("run", *secured(folder / identity))
+        line = learner.expect_text(f":{actor.child.pid} joins with")
+        actor.kill()
+        return line.split(", from ")[1]
+
+    first, again, other = (host_of(identity) for identity in ("actor-0", "actor-0", "actor-1"))
+    assert first.startswith("certificate ") and first == again != other, (first, again, other)
+    learner.kill()
 
 
 @pytest.mark.skipif(LIBRARY is None, reason="needs Debian's package libfaketime")
