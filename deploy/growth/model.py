@@ -84,14 +84,14 @@ class Server:
 
 
 class Actor:
-    """`orders` as the ledger counts them: until their episode has arrived."""
+    """`orders` as the learner counts them: until their episode has arrived."""
 
     def __init__(self, slots):
         self.slots, self.orders, self.playing, self.waiting = slots, 0, 0, collections.deque()
 
 
 class Run:
-    """The ledger's rules (learner/collect/order_ledger.h) without what only failures need: lowest numbers first to
+    """The rules of learner/collect/orders/order_plan.h without what only failures need: lowest numbers first to
     the least loaded, two orders a slot, one near the end, batches up to `overlap` ahead of the weights."""
 
     def __init__(self, plan, costs, seed):

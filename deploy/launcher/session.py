@@ -19,7 +19,7 @@ from patience import Patience
 
 RESTARTS = 5  # of one actor, after which it is given up
 SERIOUS = re.compile(rb" (warning|error|critical): ")  # lines of the learner's log shown at once
-JOINED = re.compile(rb" info: actor .* joins with ")  # as learner/collect/collector.cc says it
+JOINED = re.compile(rb" info: actor .* joins with ")  # as learner/collect/actor_registry.cc says it
 COMPLAINTS = 20  # so many of them at most
 # Updates and checkpoints end within seconds; a learner that takes longer than this hangs.
 LEARNER_STOP = ((signal.SIGINT, 60.0), (signal.SIGTERM, 10.0), (signal.SIGKILL, 10.0))
