@@ -6,6 +6,7 @@
 
 #include "common/policy/gaussian.h"
 #include "learner/ppo/adam.h"
+#include "learner/ppo/gradient_reducer.h"
 #include "learner/ppo/mlp.h"
 #include "learner/ppo/ppo_loss.h"
 #include "learner/ppo/trainer.h"
@@ -13,25 +14,25 @@
 namespace metronome {
 namespace {
 
-constexpr std::size_t kSlice = 4096;  // parameters per task of the reduction and of Adam
+constexpr std::size_t kSlice = 4096;  // parameters per task of Adam
 
-// One shard's own memory: no thread touches another's.
 struct Shard {
-  explicit Shard(const NetworkShape& shape)
-      : actor(ActorLayout(shape)), critic(CriticLayout(shape)) {
-    gradient.resize(Eigen::Index(actor.layout().size + critic.layout().size));
-  }
+  std::vector<HeadRun> runs;
+  std::vector<HeadRun> value_runs;  // the critic's
+};
+
+// One group's own memory, but for its gradient: no thread touches another's.
+struct Group {
+  explicit Group(const NetworkShape& shape)
+      : actor(ActorLayout(shape)), critic(CriticLayout(shape)) {}
 
   Mlp actor;
   Mlp critic;
-  std::vector<HeadRun> runs;
-  std::vector<HeadRun> value_runs;  // the critic's
   // Actor and critic run as two tasks, so each gathers its input for itself.
   Eigen::MatrixXf actor_input;
   Eigen::MatrixXf critic_input;
   Eigen::MatrixXf d_mean;
   Eigen::MatrixXf d_value;
-  Eigen::VectorXf gradient;  // actor, then critic
   double policy_loss = 0;
   double value_loss = 0;
   double entropy = 0;
@@ -84,16 +85,23 @@ struct MinibatchStep::Impl {
         parameter_count(ParameterCount(shape)),
         ppo(config.ppo()),
         team(worker_team),
-        gradient(parameter_count) {
-    const std::size_t largest = (std::size_t(ppo.minibatch()) + kShardSamples - 1) / kShardSamples;
-    for (std::size_t i = 0; i < largest; ++i) shards.emplace_back(shape);
+        groups(MostGroups(ppo), Group(shape)),
+        reducer(groups.size(), parameter_count, team) {}
+
+  static std::size_t ShardsOf(std::size_t samples) {
+    return (samples + kShardSamples - 1) / kShardSamples;
+  }
+
+  // A last minibatch that is smaller never has more groups than a whole one has at most.
+  static std::size_t MostGroups(const PpoConfig& ppo) {
+    return std::min(ShardsOf(std::size_t(ppo.minibatch())), ShardGroups::kMostGroups);
   }
 
   void PrepareShards(const TrainingBatch& batch) {
-    shard_count = (ordered.size() + kShardSamples - 1) / kShardSamples;
-    for (std::size_t s = 0; s < shard_count; ++s) {
-      Shard& shard = shards.at(s);
-      shard.runs.clear();
+    shards.assign(ShardsOf(ordered.size()), {});
+    grouping = ShardGroups::Of(shards.size());
+    for (std::size_t s = 0; s < shards.size(); ++s) {
+      Shard& shard = shards[s];
       for (std::size_t i = 0; i < ShardSize(s); ++i) {
         const std::int32_t head = batch.head[ordered[s * kShardSamples + i]];
         if (shard.runs.empty() || shard.runs.back().head != head) {
@@ -109,38 +117,46 @@ struct MinibatchStep::Impl {
     return std::min(kShardSamples, ordered.size() - s * kShardSamples);
   }
 
-  // Forward, loss and backward of the policy over one shard.
+  // Forward, loss and backward of the policy over the shards of one group, in order.
   void ActorTask(const TrainingBatch& batch, const float* parameters, float entropy_coefficient,
-                 std::size_t s) {
-    Shard& shard = shards[s];
-    const std::uint32_t* samples = ordered.data() + s * kShardSamples;
-    Gather(batch.input, samples, ShardSize(s), shard.actor_input);
-    const Eigen::MatrixXf& mean = shard.actor.Forward(parameters, shard.actor_input, shard.runs);
-    shard.d_mean.resize(kActionSize, mean.cols());
-    shard.policy_loss = shard.entropy = 0;
-    shard.heads.assign(std::size_t(shape.heads), {});
-    std::vector<std::array<float, kActionSize>> d_log_std(shard.runs.size());
-    for (std::size_t r = 0; r < shard.runs.size(); ++r) {
-      PolicyRun(batch, parameters, samples, mean, shard, r, d_log_std[r]);
+                 std::size_t g) {
+    Group& group = groups[g];
+    group.policy_loss = group.entropy = 0;
+    group.heads.assign(std::size_t(shape.heads), {});
+    float* gradient = reducer.Of(g);
+    std::fill_n(gradient, actor_layout.size, 0.0F);
+    for (std::size_t s = grouping.begin(g); s < grouping.end(g); ++s) {
+      AddActorShard(batch, parameters, entropy_coefficient, s, group, gradient);
     }
-    shard.actor.Backward(parameters, shard.actor_input, shard.runs, shard.d_mean,
-                         shard.gradient.data());
-    for (std::size_t r = 0; r < shard.runs.size(); ++r) {
-      const HeadRun& run = shard.runs[r];
+  }
+
+  void AddActorShard(const TrainingBatch& batch, const float* parameters, float entropy_coefficient,
+                     std::size_t s, Group& group, float* gradient) const {
+    const std::vector<HeadRun>& runs = shards[s].runs;
+    const std::uint32_t* samples = ordered.data() + s * kShardSamples;
+    Gather(batch.input, samples, ShardSize(s), group.actor_input);
+    const Eigen::MatrixXf& mean = group.actor.Forward(parameters, group.actor_input, runs);
+    group.d_mean.resize(kActionSize, mean.cols());
+    std::vector<std::array<float, kActionSize>> d_log_std(runs.size());
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      PolicyRun(batch, parameters, samples, mean, runs[r], group, d_log_std[r]);
+    }
+    group.actor.Backward(parameters, group.actor_input, runs, group.d_mean, gradient);
+    for (std::size_t r = 0; r < runs.size(); ++r) {
       float* gradient_of =
-          shard.gradient.data() + actor_layout.log_std + std::size_t(run.head) * kActionSize;
+          gradient + actor_layout.log_std + std::size_t(runs[r].head) * kActionSize;
       for (int i = 0; i < kActionSize; ++i) {
-        gradient_of[i] = (d_log_std[r][i] - entropy_coefficient * float(run.count)) * inv_samples;
+        gradient_of[i] +=
+            (d_log_std[r][i] - entropy_coefficient * float(runs[r].count)) * inv_samples;
       }
     }
   }
 
   // The loss over the columns of one head: fills d_mean's columns and the head's log-std gradient.
   void PolicyRun(const TrainingBatch& batch, const float* parameters, const std::uint32_t* samples,
-                 const Eigen::MatrixXf& mean, Shard& shard, std::size_t r,
+                 const Eigen::MatrixXf& mean, const HeadRun& run, Group& group,
                  std::array<float, kActionSize>& d_log_std) const {
-    const HeadRun& run = shard.runs[r];
-    HeadSums& sums = shard.heads[std::size_t(run.head)];
+    HeadSums& sums = group.heads[std::size_t(run.head)];
     const float* log_std = parameters + actor_layout.log_std + std::size_t(run.head) * kActionSize;
     std::array<float, kActionSize> std{};
     for (int i = 0; i < kActionSize; ++i) std[i] = std::exp(log_std[i]);
@@ -155,54 +171,42 @@ struct MinibatchStep::Impl {
       const PolicyLoss loss =
           ComputePolicyLoss(input, mean.col(c).data(), std.data(), log_std, float(ppo.clip()));
       for (int i = 0; i < kActionSize; ++i) {
-        shard.d_mean(i, c) = loss.d_mean[i] * inv_samples;
+        group.d_mean(i, c) = loss.d_mean[i] * inv_samples;
         d_log_std[i] += loss.d_log_std[i];
       }
-      shard.policy_loss += loss.loss;
+      group.policy_loss += loss.loss;
       sums.kl -= loss.log_ratio;
       sums.clipped += loss.clipped ? 1 : 0;
     }
     sums.samples += run.count;
-    shard.entropy += double(GaussianEntropy(log_std)) * run.count;
+    group.entropy += double(GaussianEntropy(log_std)) * run.count;
   }
 
-  void CriticTask(const TrainingBatch& batch, const float* parameters, std::size_t s) {
-    Shard& shard = shards[s];
+  void CriticTask(const TrainingBatch& batch, const float* parameters, std::size_t g) {
+    Group& group = groups[g];
+    group.value_loss = 0;
+    float* gradient = reducer.Of(g) + actor_layout.size;
+    std::fill_n(gradient, parameter_count - actor_layout.size, 0.0F);
+    for (std::size_t s = grouping.begin(g); s < grouping.end(g); ++s) {
+      AddCriticShard(batch, parameters + actor_layout.size, s, group, gradient);
+    }
+  }
+
+  // @param block, gradient  of the critic.
+  void AddCriticShard(const TrainingBatch& batch, const float* block, std::size_t s, Group& group,
+                      float* gradient) const {
+    const std::vector<HeadRun>& runs = shards[s].value_runs;
     const std::uint32_t* samples = ordered.data() + s * kShardSamples;
-    Gather(batch.input, samples, ShardSize(s), shard.critic_input);
-    const float* block = parameters + actor_layout.size;
-    const Eigen::MatrixXf& value =
-        shard.critic.Forward(block, shard.critic_input, shard.value_runs);
-    shard.d_value.resize(1, value.cols());
-    shard.value_loss = 0;
+    Gather(batch.input, samples, ShardSize(s), group.critic_input);
+    const Eigen::MatrixXf& value = group.critic.Forward(block, group.critic_input, runs);
+    group.d_value.resize(1, value.cols());
     const float weight = float(ppo.value_coefficient()) * inv_samples;
     for (Eigen::Index c = 0; c < value.cols(); ++c) {
       const float error = value(0, c) - batch.target[samples[c]];
-      shard.value_loss += 0.5 * double{error} * error;
-      shard.d_value(0, c) = weight * error;
+      group.value_loss += 0.5 * double{error} * error;
+      group.d_value(0, c) = weight * error;
     }
-    shard.critic.Backward(block, shard.critic_input, shard.value_runs, shard.d_value,
-                          shard.gradient.data() + actor_layout.size);
-  }
-
-  // Sums the shards' gradients in shard order; returns the norm of the sum.
-  double Reduce() {
-    const std::size_t slices = (parameter_count + kSlice - 1) / kSlice;
-    std::vector<double> squares(slices, 0);
-    team.Run(slices, [&](std::size_t slice) {
-      const std::size_t begin = slice * kSlice;
-      const std::size_t end = std::min(begin + kSlice, parameter_count);
-      std::copy(shards[0].gradient.data() + begin, shards[0].gradient.data() + end,
-                gradient.data() + begin);
-      for (std::size_t s = 1; s < shard_count; ++s) {
-        const float* of_shard = shards[s].gradient.data();
-        for (std::size_t i = begin; i < end; ++i) gradient[i] += of_shard[i];
-      }
-      for (std::size_t i = begin; i < end; ++i) squares[slice] += double{gradient[i]} * gradient[i];
-    });
-    double sum = 0;
-    for (const double square : squares) sum += square;
-    return std::sqrt(sum);
+    group.critic.Backward(block, group.critic_input, runs, group.d_value, gradient);
   }
 
   void Descend(double learning_rate, double norm, OptimiserState& state) {
@@ -214,7 +218,7 @@ struct MinibatchStep::Impl {
     team.Run((parameter_count + kSlice - 1) / kSlice, [&](std::size_t slice) {
       const std::size_t begin = slice * kSlice;
       const std::size_t count = std::min(kSlice, parameter_count - begin);
-      ApplyAdam(adam, gradient.data() + begin, state.parameters.data() + begin,
+      ApplyAdam(adam, reducer.sum().data() + begin, state.parameters.data() + begin,
                 state.adam_m.data() + begin, state.adam_v.data() + begin, count);
     });
   }
@@ -222,15 +226,15 @@ struct MinibatchStep::Impl {
   MinibatchSums Collect() const {
     MinibatchSums sums;
     sums.heads.resize(std::size_t(shape.heads));
-    for (std::size_t s = 0; s < shard_count; ++s) {
-      const Shard& shard = shards[s];
-      sums.policy_loss += shard.policy_loss;
-      sums.value_loss += shard.value_loss;
-      sums.entropy += shard.entropy;
+    for (std::size_t g = 0; g < grouping.count(); ++g) {
+      const Group& group = groups[g];
+      sums.policy_loss += group.policy_loss;
+      sums.value_loss += group.value_loss;
+      sums.entropy += group.entropy;
       for (std::size_t head = 0; head < sums.heads.size(); ++head) {
-        sums.heads[head].samples += shard.heads[head].samples;
-        sums.heads[head].kl += shard.heads[head].kl;
-        sums.heads[head].clipped += shard.heads[head].clipped;
+        sums.heads[head].samples += group.heads[head].samples;
+        sums.heads[head].kl += group.heads[head].kl;
+        sums.heads[head].clipped += group.heads[head].clipped;
       }
     }
     return sums;
@@ -241,11 +245,12 @@ struct MinibatchStep::Impl {
   std::size_t parameter_count;
   PpoConfig ppo;
   WorkerTeam& team;
-  std::vector<Shard> shards;
-  std::vector<float> gradient;
+  std::vector<Group> groups;
+  GradientReducer reducer;
   // Of the minibatch in work.
   std::vector<std::uint32_t> ordered;
-  std::size_t shard_count = 0;
+  std::vector<Shard> shards;
+  ShardGroups grouping;
   float inv_samples = 0;
   Moments advantage;
 };
@@ -264,7 +269,7 @@ MinibatchSums MinibatchStep::Run(const TrainingBatch& batch,
   impl.advantage = AdvantageMoments(batch.advantage, samples);
   impl.PrepareShards(batch);
   const float* parameters = state.parameters.data();
-  impl.team.Run(2 * impl.shard_count, [&](std::size_t task) {
+  impl.team.Run(2 * impl.grouping.count(), [&](std::size_t task) {
     if (task % 2 == 0) {
       impl.ActorTask(batch, parameters, float(settings.entropy_coefficient), task / 2);
     } else {
@@ -272,7 +277,7 @@ MinibatchSums MinibatchStep::Run(const TrainingBatch& batch,
     }
   });
   MinibatchSums sums = impl.Collect();
-  sums.gradient_norm = impl.Reduce();
+  sums.gradient_norm = impl.reducer.Reduce(impl.grouping.count());
   if (!std::isfinite(sums.gradient_norm)) {
     throw NonFiniteUpdate("the gradient is not finite (norm " + std::to_string(sums.gradient_norm) +
                           ")");
@@ -281,6 +286,8 @@ MinibatchSums MinibatchStep::Run(const TrainingBatch& batch,
   return sums;
 }
 
-const std::vector<float>& MinibatchStep::gradient() const { return impl_->gradient; }
+const std::vector<float>& MinibatchStep::gradient() const { return impl_->reducer.sum(); }
+
+std::size_t MinibatchStep::gradients_held() const { return impl_->reducer.groups_held(); }
 
 }  // namespace metronome

@@ -40,8 +40,9 @@ struct StepSettings {
 };
 
 /// One gradient step on one minibatch, on all threads of a team and with the same bits on any
-/// number of them: the minibatch, ordered by head, is cut into fixed shards of kShardSamples; each
-/// shard's gradient is computed alone; shards are summed in order.
+/// number of them: the minibatch, ordered by head, is cut into fixed shards of kShardSamples; whole
+/// shards make at most 64 groups (gradient_reducer.h); each group's gradient is computed alone,
+/// shard by shard in order; groups are summed in order.
 class MinibatchStep {
  public:
   static constexpr std::size_t kShardSamples = 128;
@@ -50,14 +51,16 @@ class MinibatchStep {
   ~MinibatchStep();
 
   /// @param samples  indices into `batch`, in any order.
-  /// @throws NonFiniteUpdate (learner/learning/learning.h) if the gradient is not finite; `state`
-  /// is then
-  ///         unchanged.
+  /// @throws NonFiniteUpdate (learner/learning/learning.h) if the gradient is not finite;
+  ///         `state` is then unchanged.
   MinibatchSums Run(const TrainingBatch& batch, const std::vector<std::uint32_t>& samples,
                     const StepSettings& settings, OptimiserState& state);
 
   /// Gradient of the last minibatch's loss, before clipping: actor, then critic.
   [[nodiscard]] const std::vector<float>& gradient() const;
+
+  /// Whole gradients in memory, one a group, beside gradient().
+  [[nodiscard]] std::size_t gradients_held() const;
 
  private:
   struct Impl;

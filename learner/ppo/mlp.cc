@@ -33,8 +33,7 @@ ConstBias BiasOf(const float* parameters, const LayerSlice& slice) {
 
 // Column by column, so that the order of the sum is written here and does not follow alignment.
 template <typename Columns>
-void SumColumns(const Columns& columns, float* sum) {
-  std::fill_n(sum, columns.rows(), 0.0F);
+void AddColumns(const Columns& columns, float* sum) {
   for (Eigen::Index c = 0; c < columns.cols(); ++c) {
     for (Eigen::Index r = 0; r < columns.rows(); ++r) sum[r] += columns(r, c);
   }
@@ -83,8 +82,6 @@ const Eigen::MatrixXf& Mlp::Forward(const float* parameters, const Eigen::Matrix
 void Mlp::Backward(const float* parameters, const Eigen::MatrixXf& input,
                    const std::vector<HeadRun>& runs, const Eigen::MatrixXf& d_output,
                    float* gradient) {
-  // Heads without samples have no gradient; all else is overwritten below.
-  std::fill(gradient + layout_.head.weight, gradient + layout_.size, 0.0F);
   const std::size_t layers = layout_.hidden.size();
   const Eigen::MatrixXf& top = layers == 0 ? input : activation_.back();
   Eigen::MatrixXf* d_top = layers == 0 ? nullptr : &d_activation_.back();
@@ -92,9 +89,9 @@ void Mlp::Backward(const float* parameters, const Eigen::MatrixXf& input,
   for (const HeadRun& run : runs) {
     const LayerSlice slice = HeadSlice(layout_, run.head);
     const auto d_columns = d_output.middleCols(run.begin, run.count);
-    Weight(gradient + slice.weight, slice.outputs, slice.inputs).noalias() =
+    Weight(gradient + slice.weight, slice.outputs, slice.inputs).noalias() +=
         d_columns * top.middleCols(run.begin, run.count).transpose();
-    SumColumns(d_columns, gradient + slice.bias);
+    AddColumns(d_columns, gradient + slice.bias);
     if (d_top != nullptr) {
       d_top->middleCols(run.begin, run.count).noalias() =
           WeightOf(parameters, slice).transpose() * d_columns;
@@ -105,8 +102,8 @@ void Mlp::Backward(const float* parameters, const Eigen::MatrixXf& input,
     Eigen::MatrixXf& d = d_activation_[i];
     d.array() *= 1.0F - activation_[i].array().square();
     const Eigen::MatrixXf& below = i == 0 ? input : activation_[i - 1];
-    Weight(gradient + slice.weight, slice.outputs, slice.inputs).noalias() = d * below.transpose();
-    SumColumns(d, gradient + slice.bias);
+    Weight(gradient + slice.weight, slice.outputs, slice.inputs).noalias() += d * below.transpose();
+    AddColumns(d, gradient + slice.bias);
     if (i > 0) {
       d_activation_[i - 1].resize(below.rows(), below.cols());
       d_activation_[i - 1].noalias() = WeightOf(parameters, slice).transpose() * d;

@@ -32,9 +32,9 @@ class Mlp {
   const Eigen::MatrixXf& Forward(const float* parameters, const Eigen::MatrixXf& input,
                                  const std::vector<HeadRun>& runs);
 
-  /// Gradient of sum(d_output .* output) of the last Forward by the parameters.
+  /// Adds the gradient of sum(d_output .* output) of the last Forward by the parameters.
   /// @param d_output  [head_outputs, n].
-  /// @param gradient  layout().size floats, overwritten (log-std with zeros).
+  /// @param gradient  layout().size floats, added to (log-std is left alone).
   void Backward(const float* parameters, const Eigen::MatrixXf& input,
                 const std::vector<HeadRun>& runs, const Eigen::MatrixXf& d_output, float* gradient);
 
