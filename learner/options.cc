@@ -35,9 +35,10 @@ struct FieldOption {
 constexpr FieldOption kFieldOptions[] = {
     {"--task", "environment.task", "T", "Meta-World task, also as T-v2 or T-v3: "},
     {"--method", "policy.method", "M",
-     "multihead (k heads, time picks one), ppo (one head), ppo-time (one head that sees the time)"},
+     "multihead (k heads, time picks one), single (one head), single-time (one head that sees the "
+     "time); ppo and ppo-time are other names of the latter two"},
     {"--heads", "policy.heads", "K",
-     "Heads of multihead, at most the horizon [default: 10; ppo and ppo-time have 1]"},
+     "Heads of multihead, at most the horizon [default: 10; the other methods have 1]"},
     {"--steps", "total_steps", "S", "Environment steps in all, rounded up to whole updates"},
     {"--seed", "seed", "N", "Key of every random stream"},
     {"--from", "policy.initial_weights", "CHECKPOINT",

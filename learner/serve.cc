@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -26,7 +27,6 @@
 #include "common/process/process_identity.h"
 #include "common/process/signal_watch.h"
 #include "learner/collect/trust/excluded_hosts.h"
-#include "learner/ppo/trainer_learning.h"
 #include "learner/record/file_run_record.h"
 #include "learner/record/run_folder.h"
 #include "learner/run/background.h"
@@ -104,6 +104,7 @@ CoordinatorSetup SetupOf(const RunOptions& options, const RunStart& start) {
   setup.rules.episodes_per_update =
       static_cast<std::uint64_t>(config.collection().episodes_per_update());
   setup.rules.overlap = static_cast<std::uint64_t>(config.collection().overlap());
+  setup.canonical_digest = start.checkpoint.state.canonical_digest;
   setup.rules.first_version = start.checkpoint.state.version;
   setup.rules.updates_total = std::max(UpdatesTotal(config), setup.rules.first_version);
   setup.audit = {config.runtime().audit_share(), RandomId()};
@@ -183,14 +184,15 @@ int RunToItsEnd(Coordinator& coordinator) {
   }
 }
 
-int Serve(const RunOptions& options, StopTarget& target) {
+int Serve(const RunOptions& options, const Algorithms& algorithms, StopTarget& target) {
+  const AlgorithmFactory& factory = FactoryOf(algorithms, options.config);
   const BusOptions bus_options = BusOptionsOf(options);
   CheckMachineOfLearner(bus_options);
   RunFolder folder(options.folder);
   const auto metrics = MetricsServerOf(options.config);  // a rival has the port, too
-  RunStart start = StartOf(options);
-  TrainerLearning learning(options.config, start.checkpoint.state, ThreadsOf(options.config),
-                           RandomId());
+  RunStart start = StartOf(options, factory);
+  const std::unique_ptr<Algorithm> algorithm =
+      AlgorithmOf(start, factory, {ThreadsOf(options.config), RandomId()});
   start.checkpoint.incarnation = folder.NextIncarnation(start.checkpoint.incarnation);
   start.checkpoint.build = BuildIdentity();
   CoordinatorSetup setup = SetupOf(options, start);
@@ -199,12 +201,12 @@ int Serve(const RunOptions& options, StopTarget& target) {
     setup.on_status = [&metrics](const LearnerStatus& status) { metrics->Show(status); };
   }
   OutputThread output(STDOUT_FILENO);
-  FileRunRecord record(options.folder, std::move(start.checkpoint),
+  FileRunRecord record(options.folder, std::move(start.checkpoint), algorithm->Metrics(),
                        ProgressPrinter(options.progress, FactsOf(options, setup),
                                        [&](std::string line) { output.Write(std::move(line)); }));
   const auto bus = MakeDdsLearnerBus(bus_options);
   BackgroundThread background("update");
-  Coordinator coordinator(setup, *bus, learning, record, background);
+  Coordinator coordinator(setup, *bus, *algorithm, record, background);
   target.Set(&coordinator);
   const auto clear = [&target](Coordinator*) { target.Set(nullptr); };
   const std::unique_ptr<Coordinator, decltype(clear)> set(&coordinator, clear);
@@ -215,7 +217,7 @@ int Serve(const RunOptions& options, StopTarget& target) {
 
 }  // namespace
 
-int ServeRun(const RunOptions& options) {
+int ServeRun(const RunOptions& options, const Algorithms& algorithms) {
   SetUpLogging("learner", options.log);
   for (const std::string& warning : options.warnings) spdlog::warn("{}", warning);
   IgnoreLostReaders();
@@ -223,7 +225,7 @@ int ServeRun(const RunOptions& options) {
   // Before the bus and the trainer, whose threads must inherit the blocked signals.
   const SignalWatch signals([&target](int signal) { target.Signal(signal); });
   try {
-    return Serve(options, target);
+    return Serve(options, algorithms, target);
   } catch (const RunFolderBusy& error) {
     spdlog::error("{}", error.what());
     return kExitRival;

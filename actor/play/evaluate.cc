@@ -19,7 +19,6 @@
 #include "common/config/config_fields.h"
 #include "common/numbers/random.h"
 #include "common/policy/policy.h"
-#include "common/policy/snapshot.h"
 #include "common/process/build_info.h"
 #include "common/process/cpu_count.h"
 #include "common/process/start_threads.h"
@@ -304,7 +303,7 @@ int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream&
                         DifferencesFromTraining(checkpoint, options, config)};
     Warn(report.differences, err);
     WarnOfRepeats(options, config, err);
-    const Evaluation evaluation = PlayAll(options, config, SnapshotOf(checkpoint.state, config));
+    const Evaluation evaluation = PlayAll(options, config, checkpoint.state.policy);
     if (options.json) {
       PrintJson(evaluation, report, out);
     } else {

@@ -16,7 +16,6 @@
 #include "actor/render/episode_pictures.h"
 #include "actor/render/video_writer.h"
 #include "common/checkpoint/checkpoint.h"
-#include "common/policy/snapshot.h"
 #include "common/process/files.h"
 #include "common/text/near_miss.h"
 #include "common/text/number_text.h"
@@ -123,10 +122,9 @@ void Render(const RenderOptions& options, std::ostream& out, std::ostream& err) 
   const auto environment = metaworld::MakeSawyerEnvironment(
       task, {.goal_visible = config.environment().goal_visible(), .assets = options.assets});
   const mjvCamera camera = FindCamera(environment->model(), task, options.camera);
-  const EpisodePath path =
-      FollowEpisode(config, SnapshotOf(checkpoint.state, config),
-                    {RandomPurpose::kEvaluate, evaluate.seed, options.episode},
-                    EvaluationPlacement(evaluate, config, options.episode), *environment);
+  const EpisodePath path = FollowEpisode(
+      config, checkpoint.state.policy, {RandomPurpose::kEvaluate, evaluate.seed, options.episode},
+      EvaluationPlacement(evaluate, config, options.episode), *environment);
 
   if (medium != Medium::kNone) {
     EpisodePictures pictures(environment->model(), camera, path,

@@ -6,6 +6,7 @@
 #include "common/config/config.h"
 #include "common/messages/episode.h"
 #include "common/policy/network.h"
+#include "common/policy/snapshot.h"
 #include "common/process/sha256.h"
 #include "common/schema/checkpoint.pb.h"
 
@@ -15,6 +16,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the frame is copied as it lies");
 
 constexpr std::string_view kMagic = "METRCKPT";
+constexpr std::uint32_t kLastFormatOfPpoAlone = 5;
 constexpr std::size_t kVersionAt = 8, kLengthAt = 12, kDigestAt = 20, kPayloadAt = 52;
 
 template <typename T>
@@ -22,53 +24,45 @@ std::vector<T> FromField(const google::protobuf::RepeatedField<T>& field) {
   return {field.begin(), field.end()};
 }
 
-void ToPayload(const RunningStatistics& statistics, StatisticsPayload& payload) {
-  payload.mutable_mean()->Assign(statistics.mean.begin(), statistics.mean.end());
-  payload.mutable_m2()->Assign(statistics.m2.begin(), statistics.m2.end());
-  payload.set_count(statistics.count);
-}
-
-RunningStatistics FromPayload(const StatisticsPayload& payload) {
-  return {FromField(payload.mean()), FromField(payload.m2()), payload.count()};
-}
-
-void ToPayload(const TrainState& state, TrainStatePayload& payload) {
+void ToPayload(const TrainState& state, CheckpointPayload& payload) {
   payload.set_version(state.version);
   payload.set_steps(state.steps);
-  payload.mutable_parameters()->Assign(state.parameters.begin(), state.parameters.end());
-  payload.mutable_adam_m()->Assign(state.adam_m.begin(), state.adam_m.end());
-  payload.mutable_adam_v()->Assign(state.adam_v.begin(), state.adam_v.end());
-  payload.set_adam_steps(state.adam_steps);
-  ToPayload(state.observation, *payload.mutable_observation());
-  ToPayload(state.reward_return, *payload.mutable_reward_return());
-  payload.mutable_previous_actor()->Assign(state.previous_actor.begin(),
-                                           state.previous_actor.end());
-  ToPayload(state.previous_observation, *payload.mutable_previous_observation());
-  payload.set_canonical_digest(state.canonical_digest);
   payload.set_episodes_used(state.episodes_used);
+  payload.set_canonical_digest(state.canonical_digest);
+  PolicyPayload& policy = *payload.mutable_policy();
+  const PolicySnapshot& snapshot = state.policy;
+  policy.mutable_parameters()->Assign(snapshot.parameters.begin(), snapshot.parameters.end());
+  policy.mutable_observation_mean()->Assign(snapshot.observation_mean.begin(),
+                                            snapshot.observation_mean.end());
+  policy.mutable_observation_inv_std()->Assign(snapshot.observation_inv_std.begin(),
+                                               snapshot.observation_inv_std.end());
+  payload.mutable_weights()->set_count(state.weights.count);
+  payload.mutable_weights()->set_sha256(state.weights.sha256);
+  payload.mutable_algorithm()->set_name(state.algorithm.name);
+  payload.mutable_algorithm()->set_format(state.algorithm.format);
+  payload.mutable_algorithm()->set_state(state.algorithm.bytes);
 }
 
-TrainState FromPayload(const TrainStatePayload& payload) {
+TrainState StateOf(const CheckpointPayload& payload) {
   TrainState state;
   state.version = payload.version();
   state.steps = payload.steps();
-  state.parameters = FromField(payload.parameters());
-  state.adam_m = FromField(payload.adam_m());
-  state.adam_v = FromField(payload.adam_v());
-  state.adam_steps = payload.adam_steps();
-  state.observation = FromPayload(payload.observation());
-  state.reward_return = FromPayload(payload.reward_return());
-  state.previous_actor = FromField(payload.previous_actor());
-  state.previous_observation = FromPayload(payload.previous_observation());
-  state.canonical_digest = payload.canonical_digest();
   state.episodes_used = payload.episodes_used();
+  state.canonical_digest = payload.canonical_digest();
+  state.policy.version = payload.version();
+  state.policy.parameters = FromField(payload.policy().parameters());
+  state.policy.observation_mean = FromField(payload.policy().observation_mean());
+  state.policy.observation_inv_std = FromField(payload.policy().observation_inv_std());
+  state.weights = {payload.weights().count(), payload.weights().sha256()};
+  state.algorithm = {payload.algorithm().name(), payload.algorithm().format(),
+                     payload.algorithm().state()};
   return state;
 }
 
 std::string SerialisePayload(const Checkpoint& checkpoint) {
   CheckpointPayload payload;
   *payload.mutable_config() = checkpoint.config;
-  ToPayload(checkpoint.state, *payload.mutable_state());
+  ToPayload(checkpoint.state, payload);
   payload.set_engine(checkpoint.engine);
   payload.set_build(checkpoint.build);
   payload.set_incarnation(checkpoint.incarnation);
@@ -99,8 +93,13 @@ Sha256Digest DigestOf(std::string_view frame, std::string_view payload) {
   return Sha256(covered);
 }
 
-/// @return the payload of a file whose every byte is as it was written.
-std::string_view CheckFrame(std::string_view bytes, const std::string& name) {
+struct Frame {
+  std::uint32_t format = 0;
+  std::string_view payload;
+};
+
+/// @return what is in a file whose every byte is as it was written.
+Frame CheckFrame(std::string_view bytes, const std::string& name) {
   if (bytes.size() < kPayloadAt || bytes.substr(0, kMagic.size()) != kMagic) {
     throw CheckpointDamaged(name + ": not a Metronome checkpoint (damaged at its start, or " +
                             "something else altogether; " + std::to_string(bytes.size()) +
@@ -123,7 +122,7 @@ std::string_view CheckFrame(std::string_view bytes, const std::string& name) {
                           " to " + std::to_string(kCheckpointFormat) +
                           "; use a build that knows it");
   }
-  return payload;
+  return {format, payload};
 }
 
 void RequireSize(std::size_t size, std::size_t wanted, const std::string& what,
@@ -133,33 +132,43 @@ void RequireSize(std::size_t size, std::size_t wanted, const std::string& what,
                         " numbers, its configuration asks for " + std::to_string(wanted));
 }
 
-void RequireStatistics(const RunningStatistics& statistics, std::size_t dimensions,
-                       const std::string& what, const std::string& name) {
-  const bool empty = statistics.mean.empty() && statistics.m2.empty() && statistics.count == 0;
-  if (empty) return;
-  RequireSize(statistics.mean.size(), dimensions, what, name);
-  RequireSize(statistics.m2.size(), dimensions, what, name);
+/// Counters, policy and algorithm of what formats 1 to 5 kept of a run. @param config  valid.
+TrainState StateOfOldFormat(const std::string& bytes, const RunConfig& config,
+                            const std::string& name) {
+  StateOfFormat5 old;
+  if (!old.ParseFromString(bytes))
+    throw CheckpointError(name + ": its state is not a checkpoint's");
+  const std::vector<float> parameters = FromField(old.parameters());
+  const RunningStatistics observation{FromField(old.observation().mean()),
+                                      FromField(old.observation().m2()), old.observation().count()};
+  RequireSize(parameters.size(), ParameterCount(ShapeOf(config)), "the network", name);
+  if (observation.count > 0) {
+    RequireSize(observation.mean.size(), kObservationSize, "the observation statistics", name);
+    RequireSize(observation.m2.size(), kObservationSize, "the observation statistics", name);
+  }
+  TrainState state;
+  state.version = old.version();
+  state.steps = old.steps();
+  state.episodes_used = old.episodes_used();
+  state.canonical_digest = old.canonical_digest();
+  state.policy = MakeSnapshot(state.version, parameters.data(), observation, config);
+  state.weights = {parameters.size(), WeightsSha256(parameters)};
+  state.algorithm = {"ppo", 1, bytes};
+  return state;
 }
 
-void RequireConsistent(const Checkpoint& checkpoint, const std::string& name) {
+void RequireValid(const RunConfig& config, const std::string& name) {
   try {
-    Validate(checkpoint.config);
+    Validate(config);
   } catch (const ConfigError& error) {
     throw CheckpointError(name + ": its configuration is not valid: " + error.what());
   }
-  const NetworkShape shape = ShapeOf(checkpoint.config);
-  const std::size_t count = ParameterCount(shape);
-  const TrainState& state = checkpoint.state;
-  RequireSize(state.parameters.size(), count, "the network", name);
-  RequireSize(state.adam_m.size(), count, "Adam's first moment", name);
-  RequireSize(state.adam_v.size(), count, "Adam's second moment", name);
-  if (!state.previous_actor.empty()) {
-    RequireSize(state.previous_actor.size(), ActorLayout(shape).size, "the previous policy", name);
-  }
-  RequireStatistics(state.observation, kObservationSize, "the observation statistics", name);
-  RequireStatistics(state.previous_observation, kObservationSize,
-                    "the previous observation statistics", name);
-  RequireStatistics(state.reward_return, 1, "the return statistics", name);
+}
+
+void RequireFit(const PolicySnapshot& policy, const RunConfig& config, const std::string& name) {
+  RequireSize(policy.parameters.size(), ActorLayout(ShapeOf(config)).size, "the policy", name);
+  RequireSize(policy.observation_mean.size(), kObservationSize, "the observations' mean", name);
+  RequireSize(policy.observation_inv_std.size(), kObservationSize, "the observations' scale", name);
 }
 
 std::string ShapeText(const RunConfig& config) {
@@ -183,20 +192,23 @@ std::string EncodeCheckpoint(const Checkpoint& checkpoint) {
 }
 
 Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name) {
-  const std::string_view raw = CheckFrame(bytes, name);
+  const auto [format, raw] = CheckFrame(bytes, name);
   CheckpointPayload payload;
   if (raw.size() > INT32_MAX || !payload.ParseFromArray(raw.data(), static_cast<int>(raw.size()))) {
     throw CheckpointError(name + ": its payload is not a checkpoint's");
   }
   Checkpoint checkpoint;
   checkpoint.config = payload.config();
-  checkpoint.state = FromPayload(payload.state());
+  RequireValid(checkpoint.config, name);
+  checkpoint.state = format <= kLastFormatOfPpoAlone
+                         ? StateOfOldFormat(payload.state_of_format_5(), checkpoint.config, name)
+                         : StateOf(payload);
+  RequireFit(checkpoint.state.policy, checkpoint.config, name);
   checkpoint.engine = payload.engine();
   checkpoint.build = payload.build();
   checkpoint.incarnation = payload.incarnation();
   checkpoint.logs = {payload.progress_bytes(), payload.events_bytes(), payload.wall_seconds()};
   checkpoint.initial_weights_sha256 = payload.initial_weights_sha256();
-  RequireConsistent(checkpoint, name);
   return checkpoint;
 }
 

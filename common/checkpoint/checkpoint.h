@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/policy/train_state.h"
+#include "common/checkpoint/train_state.h"
 #include "common/schema/config.pb.h"
 
 /// Checkpoints: everything that a run needs to go on, in one file.
@@ -22,7 +22,10 @@ namespace metronome {
 /// 3: and the correlation of exploration noise (before: 0).
 /// 4: and what success adds to the reward (before: 0).
 /// 5: and what is added to the variance of observations (before: 1e-8).
-inline constexpr std::uint32_t kCheckpointFormat = 5;
+/// 6: the policy by itself, and the algorithm's state as bytes of a format of its own (before:
+/// PPO's
+///    state alone, in the open).
+inline constexpr std::uint32_t kCheckpointFormat = 6;
 /// What is read: from here to kCheckpointFormat.
 inline constexpr std::uint32_t kOldestCheckpointFormat = 1;
 
@@ -65,8 +68,9 @@ class CheckpointUnreadable : public CheckpointError {
 
 /// The whole file as bytes, and back. The same checkpoint gives the same bytes.
 /// @param name  of the file, for messages.
+/// The algorithm's state is not looked into.
 /// @throws CheckpointDamaged, and CheckpointError for anything else but a checkpoint of a known
-///         format whose state fits its configuration.
+///         format whose policy fits its configuration.
 std::string EncodeCheckpoint(const Checkpoint& checkpoint);
 Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <stdexcept>
 
 #include "common/config/task_names.h"
@@ -34,11 +35,10 @@ RunConfig Resolve(RunConfig config) {
   if (policy.hidden_size() == 0) {
     for (int layer = 0; layer < 2; ++layer) policy.add_hidden(kDefaultWidth);
   }
-  auto& ppo = *config.mutable_ppo();
-  if (!ppo.has_minibatch()) {
+  if (config.has_ppo() && !config.ppo().has_minibatch()) {
     const std::int64_t batch =
         std::int64_t{config.collection().episodes_per_update()} * environment.horizon();
-    ppo.set_minibatch(
+    config.mutable_ppo()->set_minibatch(
         static_cast<std::int32_t>(std::clamp<std::int64_t>(batch, 1, kDefaultMinibatch)));
   }
   return config;
@@ -52,14 +52,19 @@ std::string PrintConfig(const RunConfig& config) {
 
 std::vector<std::string> CompareForResume(const RunConfig& old_config, const RunConfig& new_config,
                                           bool new_total_allowed) {
-  std::vector<std::string> old_values;
-  VisitFields(old_config, [&](const auto&, const auto& owner, const auto& field) {
-    old_values.push_back(FieldText(owner, field));
-  });
   std::vector<std::string> differences;
-  std::size_t index = 0;
+  if (const std::string before = AlgorithmName(old_config), now = AlgorithmName(new_config);
+      before != now) {
+    differences.push_back("the algorithm: the run has " + before + ", asked for " + now);
+  }
+  std::map<std::string, std::string> old_values;
+  VisitFields(old_config, [&](const std::string& path, const auto& owner, const auto& field) {
+    old_values[path] = FieldText(owner, field);
+  });
   VisitFields(new_config, [&](const std::string& path, const auto& owner, const auto& field) {
-    const std::string& before = old_values.at(index++);
+    const auto old_value = old_values.find(path);
+    if (old_value == old_values.end()) return;  // of another algorithm
+    const std::string& before = old_value->second;
     const std::string now = FieldText(owner, field);
     if (before == now || path.starts_with("runtime.")) return;
     const bool total = path == "total_steps";
@@ -70,6 +75,10 @@ std::vector<std::string> CompareForResume(const RunConfig& old_config, const Run
         (total ? " (the learning rate depends on it; --new-total allows it)" : ""));
   });
   return differences;
+}
+
+std::string AlgorithmName(const RunConfig& config) {
+  return config.has_custom() ? config.custom().name() : "ppo";
 }
 
 void CheckRunName(const std::string& name) {

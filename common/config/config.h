@@ -31,6 +31,9 @@ std::string PrintConfig(const RunConfig& config);
 std::vector<std::string> CompareForResume(const RunConfig& old_config, const RunConfig& new_config,
                                           bool new_total_allowed);
 
+/// The algorithm that a resolved configuration asks for: "ppo", or what custom.name says.
+std::string AlgorithmName(const RunConfig& config);
+
 /// A run's name becomes a folder and a DDS partition.
 /// @throws ConfigError unless it has 1 to 64 letters, digits, '.', '_' or '-' and starts with a
 ///         letter or digit.

@@ -86,6 +86,15 @@ std::string PrintValue(const Message& owner, const FieldDescriptor& field, int i
   return text;
 }
 
+// Of alternatives (a oneof) the one that is set; where none is, the first.
+bool IsChosen(const Message& message, const FieldDescriptor& field) {
+  const auto* alternatives = field.containing_oneof();
+  if (alternatives == nullptr) return true;
+  const auto* reflection = message.GetReflection();
+  if (!reflection->HasOneof(message, alternatives)) return &field == alternatives->field(0);
+  return reflection->HasField(message, &field);
+}
+
 /// Sets one value from what people write; a repeated field gets one more.
 void AddValue(Message& owner, const std::string& path, const std::string& text,
               const FieldDescriptor& field) {
@@ -119,6 +128,7 @@ void Visit(const Message& message, const std::string& prefix, const FieldVisitor
   for (int i = 0; i < type.field_count(); ++i) {
     const FieldDescriptor& field = *type.field(i);
     const std::string path = prefix + field.name();
+    if (!IsChosen(message, field)) continue;
     if (IsMessage(field))
       Visit(message.GetReflection()->GetMessage(message, &field), path + ".", visit);
     else
@@ -218,6 +228,7 @@ void FillDefaults(Message& message) {
   const auto* reflection = message.GetReflection();
   for (int i = 0; i < type.field_count(); ++i) {
     const FieldDescriptor& field = *type.field(i);
+    if (!IsChosen(message, field)) continue;
     if (IsMessage(field))
       FillDefaults(*reflection->MutableMessage(&message, &field));
     else if (field.has_default_value() && !reflection->HasField(message, &field))

@@ -31,7 +31,8 @@ using FieldVisitor =
     std::function<void(const std::string& path, const google::protobuf::Message& owner,
                        const google::protobuf::FieldDescriptor& field)>;
 
-/// Visits every leaf of the configuration, set or not, in declaration order.
+/// Visits every leaf of the configuration, set or not, in declaration order; of alternatives (a
+/// oneof) those of the one that is set, or of the first where none is.
 void VisitFields(const google::protobuf::Message& message, const FieldVisitor& visit);
 
 /// A leaf's value (its default if unset) as people write it: numbers as in a configuration file,
@@ -49,7 +50,8 @@ void SetField(google::protobuf::Message& message, const std::string& path, const
 /// Sets in `base` every leaf that is set in `top`; repeated leaves are replaced, not appended to.
 void Overlay(google::protobuf::Message& base, const google::protobuf::Message& top);
 
-/// Sets every unset leaf that declares a default to it, so that a printout shows all.
+/// Sets every unset leaf that declares a default to it, so that a printout shows all; of
+/// alternatives as in VisitFields.
 void FillDefaults(google::protobuf::Message& message);
 
 }  // namespace metronome

@@ -151,7 +151,7 @@ void CheckPolicy(const RunConfig& config, Complaints& complaints) {
   if (policy.heads() < 1) return;  // complained of already
   if (policy.method() != MULTIHEAD && policy.heads() != 1) {
     complaints.Add("policy.heads", "is " + std::to_string(policy.heads()) + ": the method " +
-                                       (policy.method() == PPO ? "ppo" : "ppo-time") +
+                                       (policy.method() == SINGLE ? "single" : "single-time") +
                                        " has exactly 1 (multihead takes more)");
   } else if (policy.heads() > horizon && horizon >= 1) {
     complaints.Add("policy.heads", "is " + std::to_string(policy.heads()) +
@@ -163,7 +163,7 @@ void CheckPolicy(const RunConfig& config, Complaints& complaints) {
 void CheckBatch(const RunConfig& config, Complaints& complaints) {
   const std::int64_t episodes = config.collection().episodes_per_update();
   const std::int64_t horizon = config.environment().horizon();
-  if (episodes < 1 || horizon < 1) return;  // complained of already
+  if (episodes < 1 || horizon < 1 || !config.has_ppo()) return;  // the former are complained of
   if (config.ppo().minibatch() > episodes * horizon) {
     complaints.Add("ppo.minibatch", "is " + std::to_string(config.ppo().minibatch()) +
                                         ": must be at most the steps of an update, " +
@@ -180,6 +180,12 @@ void CheckNetworkSize(const RunConfig& config, Complaints& complaints) {
                                       " parameters: must be at most " +
                                       std::to_string(kMostPolicyParameters) +
                                       " (what a snapshot holds on the wire)");
+}
+
+// Whether the learner knows it is for the learner to say.
+void CheckAlgorithm(const RunConfig& config, Complaints& complaints) {
+  if (!config.has_custom() || !config.custom().name().empty()) return;
+  complaints.Add("custom.name", "is not set: name an algorithm that the learner knows");
 }
 
 /// The form alone: names are looked up when the run starts.
@@ -235,6 +241,7 @@ void Validate(const RunConfig& config, const ConfigOrigins& origins) {
   CheckEnvironment(config, complaints);
   CheckRanges(config, complaints);
   CheckPolicy(config, complaints);
+  CheckAlgorithm(config, complaints);
   CheckBatch(config, complaints);
   CheckRuntime(config, complaints);
   complaints.ThrowIfAny();

@@ -50,7 +50,7 @@ std::size_t ParameterCount(const NetworkShape& shape) {
 NetworkShape ShapeOf(const RunConfig& config) {
   NetworkShape shape;
   const PolicyConfig& policy = config.policy();
-  shape.time_feature = policy.method() == PPO_TIME;
+  shape.time_feature = policy.method() == SINGLE_TIME;
   shape.hidden.assign(policy.hidden().begin(), policy.hidden().end());
   shape.heads = policy.heads();
   shape.critic_heads = policy.critic_heads() == CRITIC_HEADS_SHARED ? 1 : shape.heads;

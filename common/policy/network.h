@@ -11,7 +11,7 @@ namespace metronome {
 /// Shape of actor and critic: separate tanh MLPs of equal widths.
 struct NetworkShape {
   std::int32_t observation = 39;
-  bool time_feature = false;  // ppo-time: 2t/T-1 is appended, after normalisation
+  bool time_feature = false;  // single-time: 2t/T-1 is appended, after normalisation
   std::vector<std::int32_t> hidden = {128, 128};
   std::int32_t heads = 10;
   std::int32_t critic_heads = 10;  // one a head, or 1 for all (policy.critic_heads)

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 
 #include "common/messages/episode.h"
@@ -31,11 +30,13 @@ std::optional<std::string> Beyond(const char* what, const float* begin, const fl
   return text.str();
 }
 
-PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor, std::size_t actor_size,
-                            const RunningStatistics& observation, const PolicyConfig& config) {
+}  // namespace
+
+PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor,
+                            const RunningStatistics& observation, const RunConfig& config) {
   PolicySnapshot snapshot;
   snapshot.version = version;
-  snapshot.parameters.assign(actor, actor + actor_size);
+  snapshot.parameters.assign(actor, actor + ActorLayout(ShapeOf(config)).size);
   snapshot.observation_mean.assign(kObservationSize, 0.0F);
   snapshot.observation_inv_std.assign(kObservationSize, 1.0F);
   if (observation.count > 0) {
@@ -43,27 +44,10 @@ PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor, std::size
       const double variance = observation.m2[i] / observation.count;
       snapshot.observation_mean[i] = float(observation.mean[i]);
       snapshot.observation_inv_std[i] =
-          float(1 / std::sqrt(variance + config.observation_epsilon()));
+          float(1 / std::sqrt(variance + config.policy().observation_epsilon()));
     }
   }
   return snapshot;
-}
-
-}  // namespace
-
-PolicySnapshot SnapshotOf(const TrainState& state, const RunConfig& config) {
-  return MakeSnapshot(state.version, state.parameters.data(), ActorLayout(ShapeOf(config)).size,
-                      state.observation, config.policy());
-}
-
-PolicySnapshot PreviousSnapshotOf(const TrainState& state, const RunConfig& config) {
-  const std::size_t size = ActorLayout(ShapeOf(config)).size;
-  if (state.version == 0 || state.previous_actor.size() != size) {
-    throw std::logic_error("version " + std::to_string(state.version) +
-                           " has no previous snapshot");
-  }
-  return MakeSnapshot(state.version - 1, state.previous_actor.data(), size,
-                      state.previous_observation, config.policy());
 }
 
 std::optional<std::string> SnapshotDefect(const PolicySnapshot& snapshot, const RunConfig& config) {

@@ -1,18 +1,21 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
 #include "common/messages/messages.h"
-#include "common/policy/train_state.h"
+#include "common/policy/running_statistics.h"
 #include "common/schema/config.pb.h"
 
 namespace metronome {
 
-/// What actors act with at state.version; incarnation is left 0 for the sender to fill.
-PolicySnapshot SnapshotOf(const TrainState& state, const RunConfig& config);
-/// What they acted with at state.version - 1 (overlap 1). @throws std::logic_error at version 0.
-PolicySnapshot PreviousSnapshotOf(const TrainState& state, const RunConfig& config);
+/// What actors act with at `version`; incarnation is left 0 for the sender to fill.
+/// @param actor        the policy's parameters, ActorLayout(ShapeOf(config)).size floats.
+/// @param observation  what observations are normalised by; empty: not at all.
+/// @param config       resolved.
+PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor,
+                            const RunningStatistics& observation, const RunConfig& config);
 
 /// What keeps actors from acting with a snapshot, for a message: another shape than the resolved
 /// configuration's, or numbers so large or small that float32 may give an action or log-probability

@@ -27,10 +27,10 @@ std::string Shown(const std::map<std::uint64_t, std::string>& names) {
 
 }  // namespace
 
-Collector::Collector(LearnerBus& bus, const Learning& learning, const RunDescription& description,
+Collector::Collector(LearnerBus& bus, const Algorithm& algorithm, const RunDescription& description,
                      const CollectRules& rules, const std::string& digest, ExcludedHosts excluded)
     : bus_(bus),
-      learning_(learning),
+      algorithm_(algorithm),
       incarnation_(description.incarnation),
       rules_(rules.orders),
       trust_(rules.trust, std::move(excluded)),
@@ -101,7 +101,7 @@ void Collector::OnEpisode(EpisodeMessage message, TimePoint now) {
   // is being checked may be the second answer that a lonely number waits for.
   SendPlan(now);
   const PolicySnapshot& snapshot = snapshots_.at(claim.weights_version);
-  if (const auto fault = learning_.Check(message.episode, snapshot)) {
+  if (const auto fault = algorithm_.Check(message.episode, snapshot)) {
     return Reject(number, actor_id, *fault, now);
   }
   trust_.Checked(actor_id, true);

@@ -16,7 +16,7 @@
 #include "learner/collect/orders/number_book.h"
 #include "learner/collect/orders/order_plan.h"
 #include "learner/collect/trust/trust.h"
-#include "learner/learning/learning.h"
+#include "learner/algorithm/algorithm.h"
 
 namespace metronome {
 
@@ -37,7 +37,7 @@ class Collector {
   /// @param description  what the learner publishes.
   /// @param digest       the checkpoint's canonical digest, empty at first.
   /// @param excluded     by earlier starts of the learner.
-  Collector(LearnerBus& bus, const Learning& learning, const RunDescription& description,
+  Collector(LearnerBus& bus, const Algorithm& algorithm, const RunDescription& description,
             const CollectRules& rules, const std::string& digest, ExcludedHosts excluded);
 
   void OnStatus(const ActorStatus& status, TimePoint now);
@@ -93,7 +93,7 @@ class Collector {
   [[nodiscard]] std::string Called(std::uint64_t actor_id) const;
 
   LearnerBus& bus_;
-  const Learning& learning_;
+  const Algorithm& algorithm_;
   std::uint64_t incarnation_;
   OrderRules rules_;
   Trust trust_;

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "common/policy/gaussian.h"
+#include "learner/algorithm/algorithm.h"
 #include "learner/ppo/adam.h"
 #include "learner/ppo/gradient_reducer.h"
 #include "learner/ppo/mlp.h"
 #include "learner/ppo/ppo_loss.h"
-#include "learner/ppo/trainer.h"
 
 namespace metronome {
 namespace {

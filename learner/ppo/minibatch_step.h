@@ -51,7 +51,7 @@ class MinibatchStep {
   ~MinibatchStep();
 
   /// @param samples  indices into `batch`, in any order.
-  /// @throws NonFiniteUpdate (learner/learning/learning.h) if the gradient is not finite;
+  /// @throws NonFiniteUpdate (learner/algorithm/algorithm.h) if the gradient is not finite;
   ///         `state` is then unchanged.
   MinibatchSums Run(const TrainingBatch& batch, const std::vector<std::uint32_t>& samples,
                     const StepSettings& settings, OptimiserState& state);

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "common/policy/train_state.h"
+#include "common/policy/running_statistics.h"
 
 namespace metronome {
 

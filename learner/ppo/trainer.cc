@@ -9,6 +9,8 @@
 
 #include "common/numbers/all_finite.h"
 #include "common/numbers/random.h"
+#include "common/policy/snapshot.h"
+#include "learner/algorithm/algorithm.h"
 #include "learner/ppo/initialise.h"
 #include "learner/ppo/learning_reward.h"
 #include "learner/ppo/minibatch_step.h"
@@ -21,7 +23,7 @@ namespace {
 // Eigen picks block sizes, and with them the order of sums, from the caches that it finds.
 void FixEigenBlocking() { Eigen::setCpuCacheSizes(32 * 1024, 512 * 1024, 8 * 1024 * 1024); }
 
-// Running sums of everything that UpdateReport averages.
+// Running sums of everything that PpoReport averages.
 class ReportSums {
  public:
   explicit ReportSums(std::size_t heads) : heads_(heads) {}
@@ -45,7 +47,7 @@ class ReportSums {
   /// Mean of old minus new log-probability over the last minibatch.
   [[nodiscard]] double last_kl() const { return last_kl_; }
 
-  void Fill(UpdateReport& report) const {
+  void Fill(PpoReport& report) const {
     report.policy_loss = policy_loss_ / samples_;
     report.value_loss = value_loss_ / samples_;
     report.entropy = entropy_ / samples_;
@@ -72,7 +74,7 @@ class ReportSums {
 };
 
 void FillHeadSpread(const RunConfig& config, const std::vector<float>& parameters,
-                    UpdateReport& report) {
+                    PpoReport& report) {
   const NetworkShape shape = ShapeOf(config);
   const float* log_std = parameters.data() + ActorLayout(shape).log_std;
   for (std::int32_t head = 0; head < shape.heads; ++head) {
@@ -88,23 +90,10 @@ void FillHeadSpread(const RunConfig& config, const std::vector<float>& parameter
   }
 }
 
-void FillReturns(const std::vector<Episode>& batch, UpdateReport& report) {
-  for (const Episode& episode : batch) {
-    for (const float reward : episode.reward) report.mean_return += reward;
-    report.success += std::any_of(episode.flags.begin(), episode.flags.end(),
-                                  [](std::uint8_t flags) { return (flags & kStepSuccess) != 0; });
-    report.success_end += (episode.flags.back() & kStepSuccess) != 0;
-  }
-  const auto episodes = double(batch.size());
-  report.mean_return /= episodes;
-  report.success /= episodes;
-  report.success_end /= episodes;
-}
-
 }  // namespace
 
 struct Trainer::Impl {
-  Impl(const RunConfig& run_config, TrainState initial, int threads)
+  Impl(const RunConfig& run_config, PpoState initial, int threads)
       : config(run_config), state(std::move(initial)), team(threads), step(config, team) {}
 
   [[nodiscard]] std::size_t actor_size() const { return ActorLayout(ShapeOf(config)).size; }
@@ -116,7 +105,7 @@ struct Trainer::Impl {
 
   // Discounted returns of the batch enter the reward's scale before it is used: the scale is the
   // learner's alone, no actor has acted on it.
-  void MergeRewards(const std::vector<Episode>& batch, TrainState& next) const {
+  void MergeRewards(const std::vector<Episode>& batch, PpoState& next) const {
     std::vector<float> discounted;
     for (const Episode& episode : batch) {
       double sum = 0;
@@ -129,7 +118,7 @@ struct Trainer::Impl {
     }
   }
 
-  [[nodiscard]] double RewardScale(const TrainState& next) const {
+  [[nodiscard]] double RewardScale(const PpoState& next) const {
     if (!config.ppo().normalise_reward()) return 1;
     const double deviation = StandardDeviation(next.reward_return, 0);
     return std::sqrt(deviation * deviation + 1e-8);
@@ -166,7 +155,7 @@ struct Trainer::Impl {
   }
 
   // Everything of the next state but the parameters: counters and statistics.
-  void Advance(const std::vector<Episode>& batch, TrainState& next) const {
+  void Advance(const std::vector<Episode>& batch, PpoState& next) const {
     if (config.collection().overlap() > 0) {
       next.previous_actor.assign(state.parameters.begin(),
                                  state.parameters.begin() + std::ptrdiff_t(actor_size()));
@@ -175,19 +164,17 @@ struct Trainer::Impl {
     for (const Episode& episode : batch) {
       Merge(next.observation, episode.observation.data(), std::size_t(episode.length()),
             kObservationSize, kObservationSize);
-      next.steps += std::uint64_t(episode.length());
     }
-    next.episodes_used += batch.size();
-    ++next.version;
+    static_cast<RunCounters&>(next) = CountersAfter(state, batch);
   }
 
   RunConfig config;
-  TrainState state;
+  PpoState state;
   WorkerTeam team;
   MinibatchStep step;
 };
 
-Trainer::Trainer(const RunConfig& config, TrainState state, int threads) {
+Trainer::Trainer(const RunConfig& config, PpoState state, int threads) {
   FixEigenBlocking();
   const std::size_t expected = ParameterCount(ShapeOf(config));
   if (state.parameters.size() != expected || state.adam_m.size() != expected ||
@@ -201,9 +188,9 @@ Trainer::Trainer(const RunConfig& config, TrainState state, int threads) {
 
 Trainer::~Trainer() = default;
 
-TrainState Trainer::InitialState(const RunConfig& config) {
+PpoState Trainer::InitialState(const RunConfig& config) {
   FixEigenBlocking();
-  TrainState state;
+  PpoState state;
   state.parameters =
       InitialParameters(ShapeOf(config), config.policy().initial_log_std(), config.seed());
   state.adam_m.assign(state.parameters.size(), 0.0F);
@@ -211,13 +198,13 @@ TrainState Trainer::InitialState(const RunConfig& config) {
   return state;
 }
 
-const TrainState& Trainer::state() const { return impl_->state; }
+const PpoState& Trainer::state() const { return impl_->state; }
 
-UpdateReport Trainer::Update(const std::vector<Episode>& episodes) {
+PpoReport Trainer::Update(const std::vector<Episode>& episodes) {
   Impl& impl = *impl_;
-  TrainState next = impl.state;
+  PpoState next = impl.state;
   impl.MergeRewards(episodes, next);
-  UpdateReport report;
+  PpoReport report;
   report.reward_scale = impl.RewardScale(next);
   const PolicySnapshot behaviour = impl.Behaviour();
   const TrainingBatch batch = BuildBatch(
@@ -239,14 +226,11 @@ UpdateReport Trainer::Update(const std::vector<Episode>& episodes) {
     throw NonFiniteUpdate("no actor can act with the new policy: " + *defect);
   }
   report.lag = impl.state.version - behaviour.version;
-  report.version = next.version;
-  report.steps = next.steps;
-  report.episodes = next.episodes_used;
   report.learning_rate = settings.learning_rate;
   report.explained_variance = batch.explained_variance;
   sums.Fill(report);
   FillHeadSpread(impl.config, next.parameters, report);
-  FillReturns(episodes, report);
+  static_cast<UpdateReport&>(report) = ReportOf(next, episodes);
   impl.state = std::move(next);
   return report;
 }

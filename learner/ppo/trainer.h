@@ -4,11 +4,9 @@
 #include <vector>
 
 #include "common/messages/episode.h"
-#include "common/policy/snapshot.h"
-#include "common/policy/train_state.h"
 #include "common/schema/config.pb.h"
-#include "learner/learning/learning.h"
-#include "learner/learning/update_report.h"
+#include "learner/ppo/ppo_report.h"
+#include "learner/ppo/ppo_state.h"
 
 namespace metronome {
 
@@ -19,17 +17,17 @@ class Trainer {
   /// @param config   resolved (common/config/config.h).
   /// @param threads  worker threads, at least 1; they never change the result.
   /// @throws std::invalid_argument if `state` does not fit the configuration's shape.
-  Trainer(const RunConfig& config, TrainState state, int threads);
+  Trainer(const RunConfig& config, PpoState state, int threads);
   ~Trainer();
 
   /// Version 0: orthogonal initialisation from the seed, empty statistics.
-  static TrainState InitialState(const RunConfig& config);
+  static PpoState InitialState(const RunConfig& config);
 
-  [[nodiscard]] const TrainState& state() const;
+  [[nodiscard]] const PpoState& state() const;
 
   /// Learns from the batch of version state().version: its E episodes in number order.
-  /// @throws NonFiniteUpdate and leaves the state as it was.
-  UpdateReport Update(const std::vector<Episode>& batch);
+  /// @throws NonFiniteUpdate (learner/algorithm/algorithm.h) and leaves the state as it was.
+  PpoReport Update(const std::vector<Episode>& batch);
 
  private:
   struct Impl;

@@ -6,27 +6,26 @@
 
 #include "common/config/config.h"
 #include "common/process/files.h"
-#include "common/process/sha256.h"
 #include "learner/record/run_folder.h"
 
 namespace metronome {
 
-FileRunRecord::FileRunRecord(std::string folder, Checkpoint first, ProgressPrinter printer)
-    : folder_(std::move(folder)), checkpoint_(std::move(first)), printer_(std::move(printer)) {
-  if (checkpoint_.logs.progress_bytes > 0) ProgressLog::RequireHeader(ProgressPath(), Heads());
+FileRunRecord::FileRunRecord(std::string folder, Checkpoint first, std::vector<Metric> algorithm,
+                             ProgressPrinter printer)
+    : folder_(std::move(folder)),
+      checkpoint_(std::move(first)),
+      algorithm_(std::move(algorithm)),
+      printer_(std::move(printer)) {
+  if (checkpoint_.logs.progress_bytes > 0) ProgressLog::RequireHeader(ProgressPath(), algorithm_);
 }
 
 std::string FileRunRecord::ProgressPath() const { return folder_ + "/progress.csv"; }
-
-std::size_t FileRunRecord::Heads() const {
-  return static_cast<std::size_t>(checkpoint_.config.policy().heads());
-}
 
 void FileRunRecord::Begin() {
   WriteFileAtomically(ConfigPathOf(folder_), PrintConfig(checkpoint_.config));
   store_.emplace(folder_ + "/checkpoints", checkpoint_.config.runtime().checkpoint_keep(),
                  checkpoint_.config.runtime().milestone_every());
-  progress_.emplace(ProgressPath(), Heads(), checkpoint_.logs.progress_bytes);
+  progress_.emplace(ProgressPath(), algorithm_, checkpoint_.logs.progress_bytes);
   events_.emplace(folder_ + "/" + TensorBoardLog::kFileName, checkpoint_.logs.events_bytes);
 }
 
@@ -62,7 +61,7 @@ void FileRunRecord::Updated(const UpdateReport& report, const WallReport& wall) 
 }
 
 void FileRunRecord::Finished(const TrainState& state, const std::string& accounting) {
-  printer_.Finished(accounting, LatestCheckpoint(), WeightsSha256(state.parameters));
+  printer_.Finished(accounting, LatestCheckpoint(), state.weights.sha256);
 }
 
 void FileRunRecord::Interrupted(const TrainState& state) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/checkpoint/checkpoint.h"
 #include "common/schema/config.pb.h"
@@ -19,8 +20,10 @@ class FileRunRecord final : public RunRecord {
   /// @param folder       exists.
   /// @param first        the checkpoint gone on from (its logs say where to cut), else one of
   ///                     version 0; config, engine, build and incarnation are written from it.
+  /// @param algorithm    Algorithm::Metrics of the run.
   /// @throws std::invalid_argument with the remedy if the run's progress.csv has other columns.
-  FileRunRecord(std::string folder, Checkpoint first, ProgressPrinter printer);
+  FileRunRecord(std::string folder, Checkpoint first, std::vector<Metric> algorithm,
+                ProgressPrinter printer);
 
   void Begin() override;
   std::string Save(const TrainState& state) override;
@@ -33,10 +36,10 @@ class FileRunRecord final : public RunRecord {
 
  private:
   [[nodiscard]] std::string ProgressPath() const;
-  [[nodiscard]] std::size_t Heads() const;
 
   std::string folder_;
-  Checkpoint checkpoint_;  // what Save writes; its state changes
+  Checkpoint checkpoint_;          // what Save writes; its state changes
+  std::vector<Metric> algorithm_;  // its metrics
   ProgressPrinter printer_;
   std::optional<CheckpointStore> store_;
   std::optional<ProgressLog> progress_;

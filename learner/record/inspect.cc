@@ -6,7 +6,6 @@
 
 #include "common/config/config_fields.h"
 #include "common/policy/network.h"
-#include "common/process/sha256.h"
 
 namespace metronome {
 namespace {
@@ -18,7 +17,7 @@ std::vector<double> HeadStd(const Checkpoint& checkpoint) {
   for (int head = 0; head < shape.heads; ++head) {
     double sum = 0;
     for (int i = 0; i < shape.action; ++i)
-      sum += std::exp(double{checkpoint.state.parameters[at++]});
+      sum += std::exp(double{checkpoint.state.policy.parameters[at++]});
     std_of_head.push_back(sum / shape.action);
   }
   return std_of_head;
@@ -37,13 +36,14 @@ std::string Dump(const Json& json) {
 
 Json Describe(const Checkpoint& checkpoint) {
   const RunConfig& config = checkpoint.config;
-  const NetworkShape shape = ShapeOf(config);
   const TrainState& state = checkpoint.state;
   Json description = {
       {"version", state.version},
       {"steps", state.steps},
-      {"weights_sha256", WeightsSha256(state.parameters)},
+      {"weights_sha256", state.weights.sha256},
       {"task", config.environment().task()},
+      {"algorithm", state.algorithm.name},
+      {"algorithm_format", state.algorithm.format},
       {"method", PolicyWord(config, "method")},
       {"heads", config.policy().heads()},
       {"schedule", PolicyWord(config, "schedule")},
@@ -54,9 +54,9 @@ Json Describe(const Checkpoint& checkpoint) {
       {"incarnation", checkpoint.incarnation},
       {"episodes_used", state.episodes_used},
       {"total_steps", config.total_steps()},
-      {"parameters", state.parameters.size()},
-      {"actor_parameters", ActorLayout(shape).size},
-      {"critic_parameters", CriticLayout(shape).size},
+      {"parameters", state.weights.count},
+      {"actor_parameters", state.policy.parameters.size()},
+      {"critic_parameters", state.weights.count - state.policy.parameters.size()},
       {"wall_seconds", checkpoint.logs.wall_seconds},
       {"head_std", HeadStd(checkpoint)},
   };

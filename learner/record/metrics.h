@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <variant>
 #include <vector>
 
-#include "learner/learning/update_report.h"
+#include "learner/algorithm/metric.h"
+#include "learner/algorithm/update_report.h"
 
 /// What is logged after an update: one list for progress.csv and TensorBoard.
 namespace metronome {
@@ -26,14 +25,7 @@ struct WallReport {
   std::uint64_t orders_repeated = 0;  // episodes ordered again, since this start
 };
 
-struct Metric {
-  std::string column;  // of progress.csv; wall-clock ones are `fps` and those that begin with wall_
-  std::string tag;     // of TensorBoard; wall-clock ones begin with wall/
-  std::variant<std::uint64_t, double> value;
-};
-
-/// All metrics in column order: the run's own, those per head, the wall-clock ones.
-/// @throws std::invalid_argument if the report's per-head lists differ in length.
+/// All metrics in column order: the run's own, the algorithm's, the wall-clock ones.
 std::vector<Metric> MetricsOf(const UpdateReport& report, const WallReport& wall);
 
 }  // namespace metronome

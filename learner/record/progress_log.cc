@@ -19,12 +19,9 @@ std::string ValueText(const Metric& metric) {
   return FormatNumber(std::get<double>(metric.value));
 }
 
-std::string HeaderOf(std::size_t heads) {
+std::string HeaderOf(const std::vector<Metric>& algorithm) {
   UpdateReport report;
-  for (auto* list :
-       {&report.head_entropy, &report.head_kl, &report.head_clip_share, &report.head_std}) {
-    list->resize(heads);
-  }
+  report.metrics = algorithm;
   std::string header;
   for (const Metric& metric : MetricsOf(report, {})) {
     if (!header.empty()) header += ',';
@@ -35,20 +32,21 @@ std::string HeaderOf(std::size_t heads) {
 
 }  // namespace
 
-void ProgressLog::RequireHeader(const std::string& path, std::size_t heads) {
+void ProgressLog::RequireHeader(const std::string& path, const std::vector<Metric>& algorithm) {
   if (!std::filesystem::exists(path)) return;
   const std::string content = ReadFile(path);
   const std::size_t size = content.find('\n') + 1;
-  if (size == 0 || content.substr(0, size) == HeaderOf(heads)) return;
+  if (size == 0 || content.substr(0, size) == HeaderOf(algorithm)) return;
   throw std::invalid_argument(
       path +
       " has other columns than this build writes: go on with the build that wrote it, or move the "
       "file away, and a new one begins with the next update");
 }
 
-ProgressLog::ProgressLog(const std::string& path, std::size_t heads, std::uint64_t keep_bytes)
+ProgressLog::ProgressLog(const std::string& path, const std::vector<Metric>& algorithm,
+                         std::uint64_t keep_bytes)
     : file_(path, keep_bytes, WholeLines) {
-  if (file_.size() == 0) file_.Append(HeaderOf(heads));
+  if (file_.size() == 0) file_.Append(HeaderOf(algorithm));
 }
 
 void ProgressLog::Append(const std::vector<Metric>& metrics) {

@@ -16,12 +16,14 @@ class ProgressLog {
  public:
   /// Of a file that is to be gone on with: rows of this build under another header would be taken
   /// for other columns. @throws std::invalid_argument with the remedy.
-  static void RequireHeader(const std::string& path, std::size_t heads);
+  /// @param algorithm  the metrics of the run's algorithm, whatever their values.
+  static void RequireHeader(const std::string& path, const std::vector<Metric>& algorithm);
 
-  /// @param heads       k of the run.
+  /// @param algorithm   as above.
   /// @param keep_bytes  LogOffsets::progress_bytes of the checkpoint gone on from; 0: a new file.
   /// @throws std::system_error, see RecordFile.
-  ProgressLog(const std::string& path, std::size_t heads, std::uint64_t keep_bytes);
+  ProgressLog(const std::string& path, const std::vector<Metric>& algorithm,
+              std::uint64_t keep_bytes);
 
   /// Writes a row; it is in the file when this returns, or waits for room (see RecordFile).
   void Append(const std::vector<Metric>& metrics);

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "learner/learning/update_report.h"
+#include "learner/algorithm/update_report.h"
 #include "learner/record/metrics.h"
 
 namespace metronome {

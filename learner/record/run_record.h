@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "common/policy/train_state.h"
+#include "common/checkpoint/train_state.h"
+#include "learner/algorithm/update_report.h"
 #include "learner/collect/trust/excluded_hosts.h"
-#include "learner/learning/update_report.h"
 #include "learner/record/metrics.h"
 
 namespace metronome {

@@ -5,9 +5,9 @@
 
 namespace metronome {
 
-BackgroundUpdate::BackgroundUpdate(Learning* learning, Background* background,
+BackgroundUpdate::BackgroundUpdate(Algorithm* algorithm, Background* background,
                                    std::function<TimePoint()> now, std::function<void()> wake)
-    : learning_(*learning),
+    : algorithm_(*algorithm),
       background_(*background),
       now_(std::move(now)),
       wake_(std::move(wake)) {}
@@ -26,7 +26,7 @@ void BackgroundUpdate::Start(Collector::Collected collected, double collect_seco
 void BackgroundUpdate::Learn(Outcome outcome) {
   const TimePoint begin = now_();
   try {
-    outcome.report = learning_.Update(*outcome.collected.batch);
+    outcome.report = algorithm_.Update(*outcome.collected.batch);
   } catch (...) {
     outcome.error = std::current_exception();
   }

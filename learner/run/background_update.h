@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "common/messages/bus.h"
+#include "learner/algorithm/algorithm.h"
 #include "learner/collect/collector.h"
-#include "learner/learning/learning.h"
 #include "learner/run/background.h"
 
 namespace metronome {
@@ -28,7 +28,7 @@ class BackgroundUpdate {
   };
 
   /// @param wake  called by the other thread once there is an outcome. All must outlive this.
-  BackgroundUpdate(Learning* learning, Background* background, std::function<TimePoint()> now,
+  BackgroundUpdate(Algorithm* algorithm, Background* background, std::function<TimePoint()> now,
                    std::function<void()> wake);
   /// Waits for the other thread.
   ~BackgroundUpdate();
@@ -45,7 +45,7 @@ class BackgroundUpdate {
  private:
   void Learn(Outcome outcome);
 
-  Learning& learning_;
+  Algorithm& algorithm_;
   Background& background_;
   std::function<TimePoint()> now_;
   std::function<void()> wake_;

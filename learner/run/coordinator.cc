@@ -23,20 +23,20 @@ double SecondsBetween(Clock::time_point from, Clock::time_point to) {
 
 }  // namespace
 
-Coordinator::Coordinator(CoordinatorSetup setup, LearnerBus& bus, Learning& learning,
+Coordinator::Coordinator(CoordinatorSetup setup, LearnerBus& bus, Algorithm& algorithm,
                          RunRecord& record, Background& background, std::function<TimePoint()> now)
     : setup_(std::move(setup)),
       bus_(bus),
-      learning_(learning),
+      algorithm_(algorithm),
       record_(record),
       now_(std::move(now)),
       rivals_(setup_.description.learner_id, setup_.rivals, now_()),
-      collector_(bus, learning, setup_.description, {setup_.rules, setup_.trust, setup_.audit},
-                 learning.state().canonical_digest, setup_.excluded),
+      collector_(bus, algorithm, setup_.description, {setup_.rules, setup_.trust, setup_.audit},
+                 setup_.canonical_digest, setup_.excluded),
       status_(setup_.status, setup_.description, setup_.rules),
       exclusions_kept_(setup_.excluded.size()),
-      version_(learning.state().version),
-      update_(&learning, &background, now_, [&bus] { bus.Wake(); }) {
+      version_(algorithm.counters().version),
+      update_(&algorithm, &background, now_, [&bus] { bus.Wake(); }) {
   if (!setup_.resumed) return;
   saved_version_ = version_;
   status_.Saved(version_);
@@ -104,10 +104,9 @@ void Coordinator::PublishState(bool previous_too) {
     bus_.Publish(snapshot);
     collector_.AddSnapshot(std::move(snapshot));
   };
-  const TrainState& state = learning_.state();
-  if (previous_too) publish(learning_.PreviousSnapshot(state));
-  publish(learning_.Snapshot(state));
-  published_[state.version] = now_();
+  if (previous_too) publish(algorithm_.PreviousSnapshot());
+  publish(algorithm_.Snapshot());
+  published_[algorithm_.counters().version] = now_();
   while (published_.size() > 2) published_.erase(published_.begin());
 }
 
@@ -283,7 +282,7 @@ WallReport Coordinator::WallReportOf(const BackgroundUpdate::Outcome& outcome) {
 }
 
 TrainState Coordinator::CopyState() const {
-  TrainState state = learning_.state();
+  TrainState state = algorithm_.State();
   state.canonical_digest = collector_.digest();
   return state;
 }

@@ -10,8 +10,8 @@
 #include <string>
 
 #include "common/messages/bus.h"
+#include "learner/algorithm/algorithm.h"
 #include "learner/collect/collector.h"
-#include "learner/learning/learning.h"
 #include "learner/record/run_record.h"
 #include "learner/run/background.h"
 #include "learner/run/background_update.h"
@@ -26,7 +26,8 @@ struct CoordinatorSetup {
   OrderRules rules;
   TrustRules trust;
   AuditRules audit;
-  ExcludedHosts excluded;  // by earlier starts
+  ExcludedHosts excluded;        // by earlier starts
+  std::string canonical_digest;  // the checkpoint's; empty at first
   StatusFacts status;
   std::function<void(const LearnerStatus&)> on_status;  // called with each that is published
   double seconds_before = 0;           // wall-clock: that the run took before this start
@@ -49,7 +50,7 @@ class Coordinator {
 
   /// The arguments must outlive the coordinator.
   /// @param now  the clock that bus.Wait's deadlines refer to.
-  Coordinator(CoordinatorSetup setup, LearnerBus& bus, Learning& learning, RunRecord& record,
+  Coordinator(CoordinatorSetup setup, LearnerBus& bus, Algorithm& algorithm, RunRecord& record,
               Background& background, std::function<TimePoint()> now = Clock::now);
   Coordinator(const Coordinator&) = delete;
   Coordinator& operator=(const Coordinator&) = delete;
@@ -92,7 +93,7 @@ class Coordinator {
 
   CoordinatorSetup setup_;
   LearnerBus& bus_;
-  Learning& learning_;
+  Algorithm& algorithm_;
   RunRecord& record_;
   std::function<TimePoint()> now_;
 

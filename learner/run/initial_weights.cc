@@ -25,6 +25,13 @@ std::string DifferenceOf(const std::string& path, const std::string& there,
   return path + ": trained with " + there + ", this run has " + here;
 }
 
+void RequireSameAlgorithm(const Checkpoint& source, const RunConfig& config) {
+  const std::string here = AlgorithmName(config);
+  if (source.state.algorithm.name == here) return;
+  throw ConfigError("--from " + config.policy().initial_weights() + ": its algorithm is " +
+                    source.state.algorithm.name + ", this run's is " + here);
+}
+
 void RequireSameNetwork(const Checkpoint& source, const RunConfig& config) {
   const std::string& path = config.policy().initial_weights();
   const Texts there = TextsOf(source.config), here = TextsOf(config);
@@ -48,6 +55,7 @@ void RequireSameNetwork(const Checkpoint& source, const RunConfig& config) {
 Checkpoint LoadInitialWeights(const RunConfig& config) {
   try {
     Checkpoint source = LoadCheckpoint(config.policy().initial_weights());
+    RequireSameAlgorithm(source, config);
     RequireSameNetwork(source, config);
     return source;
   } catch (const CheckpointError& error) {

@@ -10,8 +10,8 @@
 namespace metronome {
 
 /// The checkpoint that `config` (resolved) names.
-/// @throws ConfigError if it cannot be used, or if its network is another one: names method, heads
-///         or sizes.
+/// @throws ConfigError if it cannot be used, or if its algorithm or network is another one: names
+///         algorithm, method, heads or sizes.
 Checkpoint LoadInitialWeights(const RunConfig& config);
 
 /// How else the weights were trained than this run, with this engine, will train them: a line for

@@ -8,36 +8,39 @@
 #include "common/config/config.h"
 #include "common/process/build_info.h"
 #include "common/process/files.h"
-#include "common/process/sha256.h"
-#include "learner/ppo/trainer.h"
 #include "learner/record/run_folder.h"
 #include "learner/run/initial_weights.h"
 
 namespace metronome {
 namespace {
 
-/// Weights and observation statistics are taken; all else of the state stays that of version 0.
-void TakeInitialWeights(Checkpoint& fresh) {
-  const Checkpoint source = LoadInitialWeights(fresh.config);
-  fresh.state.parameters = source.state.parameters;
-  fresh.state.observation = source.state.observation;
-  fresh.initial_weights_sha256 = WeightsSha256(source.state.parameters);
+void TellSource(const Checkpoint& source, const RunConfig& config) {
   spdlog::info("beginning with weights and observation statistics of {} ({}, update {}, {} steps)",
-               fresh.config.policy().initial_weights(), source.config.environment().task(),
+               config.policy().initial_weights(), source.config.environment().task(),
                source.state.version, source.state.steps);
-  const TrainingDifferences differences = DifferencesFrom(source, fresh.config);
+  const TrainingDifferences differences = DifferencesFrom(source, config);
   for (const std::string& line : differences.intended) spdlog::info("the weights' {}", line);
   for (const std::string& line : differences.doubtful) {
     spdlog::warn("the weights' {}: each head has learnt another part of the episode", line);
   }
 }
 
-RunStart FreshStart(const RunConfig& config) {
+RunStart FreshStart(const RunConfig& config, const AlgorithmFactory& factory) {
   RunStart start;
   start.checkpoint.config = config;
   start.checkpoint.engine = EngineName();
-  start.checkpoint.state = Trainer::InitialState(config);
-  if (!config.policy().initial_weights().empty()) TakeInitialWeights(start.checkpoint);
+  if (config.policy().initial_weights().empty()) {
+    start.checkpoint.state = factory.InitialState(config, nullptr);
+    return start;
+  }
+  const Checkpoint source = LoadInitialWeights(config);
+  try {
+    start.checkpoint.state = factory.InitialState(config, &source.state);
+  } catch (const UnusableState& error) {
+    throw CannotStart("--from " + config.policy().initial_weights() + ": " + error.what());
+  }
+  start.checkpoint.initial_weights_sha256 = source.state.weights.sha256;
+  TellSource(source, config);
   return start;
 }
 
@@ -83,22 +86,31 @@ void Tell(const FoundCheckpoint& found) {
 
 }  // namespace
 
-RunStart StartOf(const RunRequest& request) {
-  if (!request.resume) return FreshStart(request.config);
+RunStart StartOf(const RunRequest& request, const AlgorithmFactory& factory) {
+  if (!request.resume) return FreshStart(request.config, factory);
   const std::string folder = request.folder + "/checkpoints";
   auto found = FindNewestCheckpoint(folder);
   if (!found) {
     RequireNoProgress(request, folder);
     // Killed before its first checkpoint, so before its first order: nothing is lost.
     spdlog::info("run {} has no checkpoint yet: it begins at version 0", request.run);
-    return FreshStart(request.config);
+    return FreshStart(request.config, factory);
   }
   RequireSameRun(*found, request);
   Tell(*found);
   CheckpointStore(folder, request.config.runtime().checkpoint_keep()).GoOnFrom(*found);
-  RunStart start{std::move(found->checkpoint), true};
+  RunStart start{std::move(found->checkpoint), true, found->path};
   start.checkpoint.config = request.config;
   return start;
+}
+
+std::unique_ptr<Algorithm> AlgorithmOf(const RunStart& start, const AlgorithmFactory& factory,
+                                       const AlgorithmResources& resources) {
+  try {
+    return factory.Make(start.checkpoint.config, start.checkpoint.state, resources);
+  } catch (const UnusableState& error) {
+    throw CannotStart(start.path + ": " + error.what());
+  }
 }
 
 }  // namespace metronome

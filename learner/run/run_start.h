@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 
 #include "common/checkpoint/checkpoint.h"
 #include "common/schema/config.pb.h"
+#include "learner/algorithm/algorithm_factory.h"
 
 namespace metronome {
 
@@ -26,13 +28,19 @@ class CannotStart : public std::runtime_error {
 struct RunStart {
   Checkpoint checkpoint;  // of version 0 where there was none
   bool resumed = false;   // the checkpoint is on disk
+  std::string path;       // there
 };
 
 /// Version 0 of a new run; with --resume the newest checkpoint that is whole (damaged ones are put
 /// aside, with a warning), or version 0 if the run never had one. Call with the run's folder
 /// locked.
+/// @param factory  of the run's algorithm.
 /// @throws CannotStart, CheckpointError, ConfigError, std::system_error naming the file and, where
 ///         there is one, the way out.
-RunStart StartOf(const RunRequest& request);
+RunStart StartOf(const RunRequest& request, const AlgorithmFactory& factory);
+
+/// The algorithm at the start's state. @throws CannotStart naming the file if it cannot go on.
+std::unique_ptr<Algorithm> AlgorithmOf(const RunStart& start, const AlgorithmFactory& factory,
+                                       const AlgorithmResources& resources);
 
 }  // namespace metronome

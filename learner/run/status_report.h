@@ -4,8 +4,8 @@
 #include <string>
 
 #include "common/messages/bus.h"
+#include "learner/algorithm/update_report.h"
 #include "learner/collect/collector.h"
-#include "learner/learning/update_report.h"
 #include "learner/record/metrics.h"
 
 namespace metronome {

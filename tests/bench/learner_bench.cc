@@ -14,7 +14,6 @@
 #include "common/policy/action_noise.h"
 #include "common/policy/head_schedule.h"
 #include "common/policy/policy.h"
-#include "common/policy/snapshot.h"
 #include "learner/ppo/minibatch_step.h"
 #include "learner/ppo/trainer.h"
 #include "learner/ppo/training_batch.h"
@@ -115,7 +114,7 @@ double GemmRate(int threads, int repeats) {
 }
 
 /// All epochs from `state`, which stays as it is.
-void MakeEpochs(const RunConfig& config, const TrainingBatch& batch, const TrainState& state,
+void MakeEpochs(const RunConfig& config, const TrainingBatch& batch, const PpoState& state,
                 WorkerTeam& team) {
   MinibatchStep step(config, team);
   OptimiserState optimiser{state.parameters, state.adam_m, state.adam_v, 0};
@@ -135,7 +134,7 @@ void MakeEpochs(const RunConfig& config, const TrainingBatch& batch, const Train
 
 void Run(const Options& options) {
   const RunConfig config = ConfigOf(options);
-  const TrainState state = Trainer::InitialState(config);
+  const PpoState state = Trainer::InitialState(config);
   const PolicySnapshot snapshot = SnapshotOf(state, config);
   Policy policy(config, snapshot);
   std::vector<Episode> episodes;

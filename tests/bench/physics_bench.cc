@@ -18,7 +18,6 @@
 #include "actor/play/rollout.h"
 #include "common/config/config.h"
 #include "common/config/task_names.h"
-#include "common/policy/snapshot.h"
 #include "learner/ppo/trainer.h"
 
 namespace metronome {

@@ -12,7 +12,6 @@
 #include "common/policy/action_noise.h"
 #include "common/policy/head_schedule.h"
 #include "common/policy/policy.h"
-#include "common/policy/snapshot.h"
 #include "learner/ppo/trainer.h"
 
 namespace metronome::bench {

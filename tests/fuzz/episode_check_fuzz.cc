@@ -6,7 +6,7 @@
 #include "common/config/config.h"
 #include "common/policy/network.h"
 #include "common/policy/policy.h"
-#include "learner/ppo/episode_check.h"
+#include "learner/algorithm/episode_check.h"
 
 namespace metronome {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "common/checkpoint/checkpoint.h"
 #include "common/config/config.h"
-#include "learner/ppo/trainer.h"
+#include "learner/ppo/ppo_algorithm.h"
 #include "tests/integration/dds_fixture.h"
 #include "tests/integration/raw_writer.h"
 
@@ -67,7 +67,7 @@ void WriteFiles(const Corpus& corpus) {
   Checkpoint checkpoint;
   checkpoint.config = config;
   checkpoint.engine = "mujoco-0.0.0";
-  checkpoint.state = Trainer::InitialState(config);
+  checkpoint.state = MakePpoFactory()->InitialState(config, nullptr);
   const std::string whole = EncodeCheckpoint(checkpoint);
   constexpr std::size_t kPayloadAt = 52;  // common/README.md
   corpus.Write("checkpoint", "whole", '\0' + whole);

@@ -65,7 +65,7 @@ def test_weights_that_do_not_fit_are_refused_before_anything_is_made(stage, sour
     torn.write_bytes(source.read_bytes()[:1000])
     for words, says in (
         (("--from", source, "--heads", "5"), "policy.heads is 10, this run's is 5"),
-        (("--from", source, "--method", "ppo"), "policy.method is multihead, this run's is ppo"),
+        (("--from", source, "--method", "ppo"), "policy.method is multihead, this run's is single"),
         (("--from", torn), f"{torn}: damaged"),
         (("--from", tmp_path / "none.ckpt"), "none.ckpt: No such file"),
     ):

@@ -18,7 +18,7 @@ def sweep(experiments, task):
     lengths = {cell.steps for cell in own}
     borrowed = {}
     for cell in scores.select(experiments.get("main", []), task):
-        if cell.method in ("ppo", "multihead") and cell.steps in lengths and cell.heads not in found:
+        if cell.method in ("single", "ppo", "multihead") and cell.steps in lengths and cell.heads not in found:
             borrowed.setdefault(cell.heads, ([], True))[0].append(cell)
     return dict(sorted({**found, **borrowed}.items()))
 

@@ -12,13 +12,16 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <system_error>
 
 #include "common/config/config.h"
 #include "common/policy/network.h"
+#include "common/policy/snapshot.h"
 #include "common/process/files.h"
 #include "common/process/sha256.h"
+#include "common/schema/checkpoint.pb.h"
 #include "tests/unit/support/temporary_folder.h"
 
 namespace metronome {
@@ -37,18 +40,15 @@ Checkpoint SmallCheckpoint(std::uint64_t version = 7) {
   TrainState& state = checkpoint.state;
   state.version = version;
   state.steps = version * 8000;
-  state.parameters.resize(ParameterCount(shape));
-  std::iota(state.parameters.begin(), state.parameters.end(), 0.1F);
-  state.parameters[0] = std::numeric_limits<float>::denorm_min();
-  state.parameters[1] = -0.0F;
-  state.adam_m.assign(state.parameters.size(), 1.0F / 3);
-  state.adam_v.assign(state.parameters.size(), 1.0e-30F);
-  state.adam_steps = 560;
-  state.observation = {std::vector<double>(39, 1.0 / 3), std::vector<double>(39, 1e300), 56000};
-  state.reward_return = {{-0.1}, {std::numeric_limits<double>::denorm_min()}, 3};
-  state.previous_actor.assign(ActorLayout(shape).size, 0.7F);
-  state.previous_observation = {std::vector<double>(39, 2.0 / 3), std::vector<double>(39, 1),
-                                48000};
+  state.policy.version = version;
+  state.policy.parameters.resize(ActorLayout(shape).size);
+  std::iota(state.policy.parameters.begin(), state.policy.parameters.end(), 0.1F);
+  state.policy.parameters[0] = std::numeric_limits<float>::denorm_min();
+  state.policy.parameters[1] = -0.0F;
+  state.policy.observation_mean.assign(39, 1.0F / 3);
+  state.policy.observation_inv_std.assign(39, 1.0e-30F);
+  state.weights = {ParameterCount(shape), "00aa"};
+  state.algorithm = {"any", 9, std::string("\0 opaque \xff", 10)};
   state.canonical_digest = "00ff";
   state.episodes_used = version * 16;
   checkpoint.engine = "mujoco-2.2.2";
@@ -67,13 +67,45 @@ std::string ErrorOfDecoding(const std::string& bytes) {
   return "";
 }
 
+/// A whole file around a payload.
+std::string Framed(const std::string& payload, std::uint32_t format) {
+  const auto length = static_cast<std::uint64_t>(payload.size());
+  std::string head = "METRCKPT" + std::string(12, '\0');
+  std::memcpy(head.data() + 8, &format, sizeof(format));
+  std::memcpy(head.data() + 12, &length, sizeof(length));
+  const Sha256Digest digest = Sha256(head + payload);
+  return head + std::string(digest.begin(), digest.end()) + payload;
+}
+
 /// The bytes of a valid frame around the checkpoint with another format number.
 std::string WithFormat(const Checkpoint& checkpoint, std::uint32_t format) {
-  std::string bytes = EncodeCheckpoint(checkpoint);
-  std::memcpy(bytes.data() + 8, &format, sizeof(format));
-  const Sha256Digest digest = Sha256(bytes.substr(0, 20) + bytes.substr(52));
-  std::memcpy(bytes.data() + 20, digest.data(), digest.size());
-  return bytes;
+  return Framed(EncodeCheckpoint(checkpoint).substr(52), format);
+}
+
+/// What formats 1 to 5 kept of a run of the configuration.
+StateOfFormat5 OldState(const RunConfig& config) {
+  StateOfFormat5 state;
+  state.set_version(7);
+  state.set_steps(56000);
+  state.set_episodes_used(112);
+  state.set_canonical_digest("00ff");
+  for (std::size_t i = 0; i < ParameterCount(ShapeOf(config)); ++i) {
+    state.add_parameters(0.5F + float(i));
+  }
+  for (int i = 0; i < 39; ++i) {
+    state.mutable_observation()->add_mean(i);
+    state.mutable_observation()->add_m2(4.0 * i);
+  }
+  state.mutable_observation()->set_count(4);
+  return state;
+}
+
+std::string OldFile(const RunConfig& config, const StateOfFormat5& state, std::uint32_t format) {
+  CheckpointPayload payload;
+  *payload.mutable_config() = config;
+  payload.set_state_of_format_5(state.SerializeAsString());
+  payload.set_engine("mujoco-2.2.2");
+  return Framed(payload.SerializeAsString(), format);
 }
 
 TEST(Sha256Test, MatchesThePublishedVectors) {
@@ -91,20 +123,12 @@ TEST(CheckpointTest, EveryBitComesBack) {
   const Checkpoint saved = SmallCheckpoint();
   const Checkpoint loaded = DecodeCheckpoint(EncodeCheckpoint(saved), "x.ckpt");
   EXPECT_EQ(loaded.state, saved.state);
-  EXPECT_EQ(WeightsSha256(loaded.state.parameters), WeightsSha256(saved.state.parameters));
   EXPECT_EQ(loaded.config.SerializeAsString(), saved.config.SerializeAsString());
   EXPECT_EQ(loaded.engine, saved.engine);
   EXPECT_EQ(loaded.build, saved.build);
   EXPECT_EQ(loaded.incarnation, saved.incarnation);
   EXPECT_EQ(loaded.logs, saved.logs);
   EXPECT_EQ(EncodeCheckpoint(loaded), EncodeCheckpoint(saved));
-}
-
-TEST(CheckpointTest, VersionZeroWithoutStatisticsComesBack) {
-  Checkpoint saved = SmallCheckpoint(0);
-  saved.state.observation = saved.state.reward_return = saved.state.previous_observation = {};
-  saved.state.previous_actor.clear();
-  EXPECT_EQ(DecodeCheckpoint(EncodeCheckpoint(saved), "x.ckpt").state, saved.state);
 }
 
 TEST(CheckpointTest, AChangeOfAnyByteIsFoundAndNamesTheFile) {
@@ -133,42 +157,88 @@ TEST(CheckpointTest, AnotherFormatSaysWhich) {
   for (const std::uint32_t format : {0U, 9U}) {
     EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), format)),
               "x.ckpt: checkpoint format " + std::to_string(format) +
-                  ", this build reads formats 1 to 5; use a build that knows it");
+                  ", this build reads formats 1 to 6; use a build that knows it");
   }
 }
 
-void ExpectToGoOnAs(const Checkpoint& whole, const Checkpoint& old, std::uint32_t format) {
-  const Checkpoint loaded = DecodeCheckpoint(WithFormat(old, format), "x.ckpt");
-  EXPECT_EQ(loaded.state, whole.state);
-  EXPECT_NO_THROW(RequireShape(loaded, whole.config, "x.ckpt"));
-  EXPECT_TRUE(CompareForResume(loaded.config, whole.config, false).empty());
-  EXPECT_EQ(Resolve(loaded.config).SerializeAsString(), whole.config.SerializeAsString());
+// PPO was the only algorithm, and its state, as it lies in the file, is its own format 1.
+TEST(CheckpointTest, AFileOfFormat5HoldsThePolicyAndTheStateOfPpo) {
+  const RunConfig config = SmallCheckpoint().config;
+  const StateOfFormat5 old = OldState(config);
+  const TrainState state = DecodeCheckpoint(OldFile(config, old, 5), "x.ckpt").state;
+  EXPECT_EQ(state.version, 7U);
+  EXPECT_EQ(state.steps, 56000U);
+  EXPECT_EQ(state.episodes_used, 112U);
+  EXPECT_EQ(state.canonical_digest, "00ff");
+  EXPECT_EQ(state.algorithm, (AlgorithmState{"ppo", 1, old.SerializeAsString()}));
+  const std::vector<float> all(old.parameters().begin(), old.parameters().end());
+  EXPECT_EQ(state.weights, (WeightsDigest{all.size(), WeightsSha256(all)}));
+  EXPECT_EQ(state.policy.version, 7U);
+  const auto actor = std::ptrdiff_t(ActorLayout(ShapeOf(config)).size);
+  EXPECT_EQ(state.policy.parameters, std::vector<float>(all.begin(), all.begin() + actor));
+  EXPECT_EQ(state.policy.observation_mean[3], 3);
+  EXPECT_FLOAT_EQ(state.policy.observation_inv_std[4], 0.5F);
+}
+
+TEST(CheckpointTest, AnOldFileWhoseStateDoesNotFitItsConfigurationIsRefused) {
+  const RunConfig config = SmallCheckpoint().config;
+  StateOfFormat5 old = OldState(config);
+  old.mutable_parameters()->RemoveLast();
+  EXPECT_NE(ErrorOfDecoding(OldFile(config, old, 5)).find("another shape: the network has"),
+            std::string::npos);
+  old = OldState(config);
+  old.mutable_observation()->mutable_m2()->RemoveLast();
+  EXPECT_NE(ErrorOfDecoding(OldFile(config, old, 5)).find("the observation statistics has 38"),
+            std::string::npos);
+}
+
+void ExpectToGoOnAs(const RunConfig& whole, const RunConfig& old, std::uint32_t format) {
+  const Checkpoint loaded = DecodeCheckpoint(OldFile(old, OldState(whole), format), "x.ckpt");
+  EXPECT_EQ(loaded.state, DecodeCheckpoint(OldFile(whole, OldState(whole), 5), "x.ckpt").state);
+  EXPECT_NO_THROW(RequireShape(loaded, whole, "x.ckpt"));
+  EXPECT_TRUE(CompareForResume(loaded.config, whole, false).empty());
+  EXPECT_EQ(Resolve(loaded.config).SerializeAsString(), whole.SerializeAsString());
 }
 
 // Old files are without what their format did not know.
 TEST(CheckpointTest, AFileOfFormat3GoesOnWithTheOfficialReward) {
-  const Checkpoint whole = SmallCheckpoint();
-  Checkpoint old = whole;
-  old.config.mutable_ppo()->clear_success_reward();
+  const RunConfig whole = SmallCheckpoint().config;
+  RunConfig old = whole;
+  old.mutable_ppo()->clear_success_reward();
   ExpectToGoOnAs(whole, old, 3);
 }
 
 TEST(CheckpointTest, AFileOfFormat2GoesOnWithWhiteNoise) {
-  const Checkpoint whole = SmallCheckpoint();
-  Checkpoint old = whole;
-  old.config.mutable_ppo()->clear_success_reward();
-  old.config.mutable_policy()->clear_noise_correlation();
+  const RunConfig whole = SmallCheckpoint().config;
+  RunConfig old = whole;
+  old.mutable_ppo()->clear_success_reward();
+  old.mutable_policy()->clear_noise_correlation();
   ExpectToGoOnAs(whole, old, 2);
 }
 
 TEST(CheckpointTest, AFileOfFormat1GoesOnAsBlocksWithSeparateCriticHeads) {
-  const Checkpoint whole = SmallCheckpoint();
-  Checkpoint old = whole;
-  old.config.mutable_policy()->clear_schedule();
-  old.config.mutable_policy()->clear_critic_heads();
-  old.config.mutable_policy()->clear_noise_correlation();
-  old.config.mutable_ppo()->clear_success_reward();
+  const RunConfig whole = SmallCheckpoint().config;
+  RunConfig old = whole;
+  old.mutable_policy()->clear_schedule();
+  old.mutable_policy()->clear_critic_heads();
+  old.mutable_policy()->clear_noise_correlation();
+  old.mutable_ppo()->clear_success_reward();
   ExpectToGoOnAs(whole, old, 1);
+}
+
+// Written by builds of formats 4 and before, and not to be written again.
+TEST(CheckpointTest, TheCommittedPoliciesLoadWithTheirWeights) {
+  const std::string folder = METRONOME_SOURCE_DIR "/results/policies/";
+  const std::map<std::string, std::string> weights = {
+      {"assembly", "ad9145d97dce3766544a74c36fa9a235e20e02c54f625d56c622270f1dc03d93"},
+      {"bin-picking", "c62977aeb2240d48cdef5e5e15800c9ede42dbe168dcf64d332b26a3ed878774"},
+      {"box-close", "9231382043e0753a83a40a50e6bea2857613fc09d04061e9322b66812584a8b5"},
+      {"push", "c24b665a1af3d17c5901dc96d82ff520ac3c4d7c363d2ac7f65f72b4cf2850ac"}};
+  for (const auto& [task, sha256] : weights) {
+    const Checkpoint checkpoint = LoadCheckpoint(folder + task + ".ckpt");
+    EXPECT_EQ(checkpoint.state.weights.sha256, sha256) << task;
+    EXPECT_EQ(SnapshotDefect(checkpoint.state.policy, checkpoint.config), std::nullopt) << task;
+  }
 }
 
 TEST(CheckpointTest, SomethingElseAltogetherIsSaidToBe) {
@@ -179,16 +249,12 @@ TEST(CheckpointTest, SomethingElseAltogetherIsSaidToBe) {
 
 TEST(CheckpointTest, StateThatDoesNotFitItsConfigurationIsRefused) {
   Checkpoint checkpoint = SmallCheckpoint();
-  checkpoint.state.adam_v.pop_back();
-  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("Adam's second moment"),
-            std::string::npos);
-  checkpoint = SmallCheckpoint();
   checkpoint.config.mutable_policy()->set_heads(3);
-  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("another shape: the network has"),
+  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("another shape: the policy has"),
             std::string::npos);
   checkpoint = SmallCheckpoint();
-  checkpoint.state.observation.m2.pop_back();
-  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("observation statistics"),
+  checkpoint.state.policy.observation_inv_std.pop_back();
+  EXPECT_NE(ErrorOfDecoding(EncodeCheckpoint(checkpoint)).find("the observations' scale has 38"),
             std::string::npos);
   checkpoint = SmallCheckpoint();
   checkpoint.config.mutable_policy()->set_heads(0);

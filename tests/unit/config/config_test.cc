@@ -88,7 +88,7 @@ TEST(ResolveTest, FillsEveryField) {
 
 TEST(ResolveTest, DerivedDefaultsFollowWhatElseIsSet) {
   RunConfig config = Push();
-  config.mutable_policy()->set_method(PPO_TIME);
+  config.mutable_policy()->set_method(SINGLE_TIME);
   config.mutable_environment()->set_horizon(20);
   config = Resolve(config);
   EXPECT_EQ(config.policy().heads(), 1);
@@ -131,10 +131,10 @@ TEST(ParseConfigTest, ErrorsNameFileLineAndColumn) {
   EXPECT_EQ(
       ParseErrorOf("sed: 1"),
       "run.cfg:1:1: unknown setting \"sed\"; did you mean \"seed\"? Known: environment, policy, "
-      "ppo, collection, runtime, seed, total_steps");
+      "ppo, custom, collection, runtime, seed, total_steps");
   EXPECT_EQ(ParseErrorOf("policy { method: MULTIHED }"),
             "run.cfg:1:18: unknown value of policy.method \"MULTIHED\"; did you mean "
-            "\"MULTIHEAD\"? Known: MULTIHEAD, PPO, PPO_TIME");
+            "\"MULTIHEAD\"? Known: MULTIHEAD, SINGLE, SINGLE_TIME, PPO, PPO_TIME");
   EXPECT_EQ(ParseErrorOf("# note\n\tseed: x").substr(0, 13), "run.cfg:2:8: ");
   EXPECT_EQ(ParseErrorOf("ppo {\n\n\n  clip: 0.2\n  clip: 0.1 }").substr(0, 13), "run.cfg:5:3: ");
   EXPECT_EQ(ParseErrorOf("environment {\n  goal_visible: maybe\n}").substr(0, 14),
@@ -175,6 +175,62 @@ TEST(ParseConfigTest, AFileOfAnEditorOfWindowsIsRead) {
   EXPECT_EQ(parsed.config.seed(), 3U);
   EXPECT_EQ(parsed.origins.at("ppo.clip"), "run.cfg:4:3");
   EXPECT_EQ(ParseErrorOf("\xef\xbb\xbfseed: -1").substr(0, 13), "run.cfg:1:7: ");
+}
+
+// Configurations, files and scripts from when PPO was the only algorithm.
+TEST(MethodTest, TheOldNamesGoOnToMeanTheSame) {
+  const auto of_file = [](const std::string& method) {
+    RunConfig config = Push();
+    Overlay(config, ParseConfigText("policy { method: " + method + " }", "run.cfg").config);
+    return Resolve(config);
+  };
+  EXPECT_EQ(of_file("PPO").policy().method(), SINGLE);
+  EXPECT_EQ(of_file("PPO_TIME").policy().method(), SINGLE_TIME);
+  EXPECT_TRUE(CompareForResume(of_file("PPO"), of_file("SINGLE"), false).empty());
+  EXPECT_EQ(PrintConfig(of_file("PPO_TIME")), PrintConfig(of_file("SINGLE_TIME")));
+  for (const auto& [old_name, name] :
+       {std::pair{"ppo", "single"}, std::pair{"ppo-time", "single-time"},
+        std::pair{"PPO", "SINGLE"}}) {
+    RunConfig by_old = Push(), by_name = Push();
+    SetField(by_old, "policy.method", old_name);
+    SetField(by_name, "policy.method", name);
+    EXPECT_EQ(by_old.SerializeAsString(), by_name.SerializeAsString()) << name;
+  }
+}
+
+TEST(AlgorithmTest, IsPpoWhereNothingIsSaidAndItsSettingsAreAsEver) {
+  const RunConfig config = Resolve(Push());
+  EXPECT_EQ(AlgorithmName(config), "ppo");
+  EXPECT_TRUE(config.has_ppo());
+  // Field 3 of the whole, as before there was a choice: ppo { clip: 0.5 }.
+  RunConfig old;
+  ASSERT_TRUE(old.ParseFromString(std::string("\x1a\x09\x31\0\0\0\0\0\0\xe0\x3f", 11)));
+  EXPECT_EQ(old.ppo().clip(), 0.5);
+}
+
+TEST(AlgorithmTest, AnotherOneIsNamedWithSettingsThatOnlyItReads) {
+  RunConfig config = Push();
+  SetField(config, "ppo.clip", "0.1");
+  SetField(config, "custom.name", "other");
+  SetField(config, "custom.settings", "population: 5");
+  config = Resolve(config);
+  EXPECT_FALSE(config.has_ppo());
+  EXPECT_EQ(AlgorithmName(config), "other");
+  EXPECT_NO_THROW(Validate(config));
+  const std::string printed = PrintConfig(config);
+  EXPECT_NE(printed.find("custom {\n  name: \"other\"\n  settings: \"population: 5\"\n}"),
+            std::string::npos)
+      << printed;
+  EXPECT_EQ(ParseConfigText(printed, "x").config.SerializeAsString(), config.SerializeAsString());
+  RunConfig changed = config;
+  SetField(changed, "custom.settings", "population: 6");
+  EXPECT_EQ(CompareForResume(config, changed, false).at(0),
+            "custom.settings: the run has population: 5, asked for population: 6");
+  EXPECT_EQ(CompareForResume(config, Resolve(Push()), false),
+            std::vector<std::string>{"the algorithm: the run has other, asked for ppo"});
+  SetField(config, "custom.name", "");
+  EXPECT_EQ(ErrorOf([&] { Validate(config); }),
+            "custom.name is not set: name an algorithm that the learner knows");
 }
 
 TEST(ParseConfigTest, AnotherEncodingIsNamed) {
@@ -219,7 +275,7 @@ TEST(SetFieldTest, SetsEveryTypeFromText) {
   SetField(config, "policy.hidden", "32");
   SetField(config, "runtime.domain", "7");
   SetField(config, "runtime.network", "10.0.0.1,10.0.0.2");
-  EXPECT_EQ(config.policy().method(), PPO_TIME);
+  EXPECT_EQ(config.policy().method(), SINGLE_TIME);
   EXPECT_EQ(config.environment().placements(), PLACEMENTS_MT1);
   EXPECT_FALSE(config.environment().goal_visible());
   EXPECT_EQ(config.policy().schedule(), SCHEDULE_INTERLEAVED);
@@ -237,9 +293,10 @@ TEST(SetFieldTest, SetsEveryTypeFromText) {
 
 TEST(SetFieldTest, UnknownPathsGetTheNearMissAndThatGroupsList) {
   RunConfig config;
-  EXPECT_EQ(ErrorOf([&] { SetField(config, "ppoo.clip", "1"); }),
-            "unknown setting \"ppoo\"; did you mean \"ppo\"? Known: environment, policy, ppo, "
-            "collection, runtime, seed, total_steps");
+  EXPECT_EQ(
+      ErrorOf([&] { SetField(config, "ppoo.clip", "1"); }),
+      "unknown setting \"ppoo\"; did you mean \"ppo\"? Known: environment, policy, ppo, custom, "
+      "collection, runtime, seed, total_steps");
   EXPECT_EQ(ErrorOf([&] { SetField(config, "collection.overlp", "1"); }),
             "unknown setting of collection \"overlp\"; did you mean \"overlap\"? Known: "
             "episodes_per_update, overlap, check_share, check_tolerance");
@@ -261,8 +318,8 @@ TEST(SetFieldTest, TextOfAnotherTypeIsRefusedByName) {
   EXPECT_EQ(ErrorOf([&] { SetField(config, "ppo.clip", "0.2x"); }),
             "ppo.clip is \"0.2x\": must be a number");
   EXPECT_EQ(ErrorOf([&] { SetField(config, "policy.method", "pppo"); }),
-            "unknown value of policy.method \"pppo\"; did you mean \"ppo\"? Known: multihead, ppo, "
-            "ppo-time");
+            "unknown value of policy.method \"pppo\"; did you mean \"ppo\"? Known: multihead, "
+            "single, single-time, ppo, ppo-time");
   EXPECT_EQ(ErrorOf([&] { SetField(config, "policy.schedule", "shufled"); }),
             "unknown value of policy.schedule \"shufled\"; did you mean \"shuffled\"? Known: "
             "blocks, interleaved, shuffled");
@@ -278,7 +335,7 @@ TEST(SetFieldTest, TextOfAnotherTypeIsRefusedByName) {
 }
 
 TEST(ValidateTest, DefaultsOfEveryMethodAreAccepted) {
-  for (const std::string method : {"multihead", "ppo", "ppo-time"}) {
+  for (const std::string method : {"multihead", "single", "single-time", "ppo", "ppo-time"}) {
     ExpectAccepted("policy.method", method);
   }
 }
@@ -382,13 +439,13 @@ TEST(ValidateTest, OneHeadMethodsTakeOneHead) {
   SetField(config, "policy.method", "ppo");
   SetField(config, "policy.heads", "2");
   EXPECT_EQ(ErrorOf([&] { Validate(Resolve(config)); }),
-            "policy.heads is 2: the method ppo has exactly 1 (multihead takes more)");
+            "policy.heads is 2: the method single has exactly 1 (multihead takes more)");
   SetField(config, "policy.heads", "1");
   EXPECT_NO_THROW(Validate(Resolve(config)));
 }
 
 TEST(ValidateTest, EveryMethodTakesEveryScheduleAndCritic) {
-  for (const std::string method : {"multihead", "ppo", "ppo-time"}) {
+  for (const std::string method : {"multihead", "single", "single-time", "ppo", "ppo-time"}) {
     for (const std::string& schedule : EnumWords(*Schedule_descriptor())) {
       RunConfig config = Push();
       SetField(config, "policy.method", method);

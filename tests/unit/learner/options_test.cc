@@ -121,7 +121,7 @@ TEST_F(OptionsTest, EveryOptionReachesItsField) {
                                 "--set",
                                 "policy.hidden=64,32"})
                                .config;
-  EXPECT_EQ(config.policy().method(), PPO_TIME);
+  EXPECT_EQ(config.policy().method(), SINGLE_TIME);
   EXPECT_EQ(config.policy().heads(), 1);
   EXPECT_EQ(config.total_steps(), 99u);
   EXPECT_EQ(config.seed(), 18446744073709551615u);
@@ -257,10 +257,12 @@ class CheckpointOptionsTest : public OptionsTest {
     Checkpoint checkpoint;
     checkpoint.config = config;
     checkpoint.state.version = 12;
-    const std::size_t count = ParameterCount(ShapeOf(config));
-    checkpoint.state.parameters.assign(count, 0.25F);
-    checkpoint.state.adam_m.assign(count, 0.0F);
-    checkpoint.state.adam_v.assign(count, 0.0F);
+    const NetworkShape shape = ShapeOf(config);
+    PolicySnapshot& policy = checkpoint.state.policy;
+    policy.parameters.assign(ActorLayout(shape).size, 0.25F);
+    policy.observation_mean.assign(39, 0.0F);
+    policy.observation_inv_std.assign(39, 1.0F);
+    checkpoint.state.algorithm = {"ppo", 1, ""};
     CheckpointStore(Folder() + "/checkpoints", 5).Save(checkpoint);
   }
 
@@ -355,7 +357,7 @@ TEST_F(CheckpointOptionsTest, AnotherMeaningOfTheHeadsIsDoubtful) {
 TEST_F(CheckpointOptionsTest, WeightsOfAnotherNetworkAreRefusedByName) {
   ExpectUsageError(ParseFrom({"--heads", "4"}), "its policy.heads is 3, this run's is 4");
   ExpectUsageError(ParseFrom({"--method", "ppo"}),
-                   "its policy.method is multihead, this run's is ppo");
+                   "its policy.method is multihead, this run's is single");
   ExpectUsageError(ParseFrom({"--heads", "3", "--set", "policy.hidden=2,2"}),
                    "its policy.hidden is 2, this run's is 2,2");
   ExpectUsageError(ParseFrom({"--heads", "3", "--set", "policy.critic_heads=shared"}),
@@ -405,11 +407,13 @@ Checkpoint TwoHeads() {
   SetField(checkpoint.config, "policy.heads", "2");
   checkpoint.config = Resolve(checkpoint.config);
   const NetworkShape shape = ShapeOf(checkpoint.config);
-  checkpoint.state.parameters.assign(ParameterCount(shape), 0.25F);
+  checkpoint.state.policy.parameters.assign(ActorLayout(shape).size, 0.25F);
+  checkpoint.state.weights = {ParameterCount(shape), "00ff"};
+  checkpoint.state.algorithm = {"ppo", 1, "opaque"};
   // Head 0 keeps log-std 0, head 1 gets ln 2: means of exp are 1 and 2.
   const std::size_t log_std = ActorLayout(shape).log_std;
   for (std::size_t i = 0; i < 8; ++i) {
-    checkpoint.state.parameters[log_std + i] = i < 4 ? 0.0F : std::log(2.0F);
+    checkpoint.state.policy.parameters[log_std + i] = i < 4 ? 0.0F : std::log(2.0F);
   }
   checkpoint.state.version = 12;
   checkpoint.state.steps = 96000;
@@ -424,7 +428,9 @@ TEST(InspectTest, JsonHasTheStableKeys) {
   const auto json = nlohmann::json::parse(out.str());
   EXPECT_EQ(json.at("version"), 12);
   EXPECT_EQ(json.at("steps"), 96000);
-  EXPECT_EQ(json.at("weights_sha256"), WeightsSha256(checkpoint.state.parameters));
+  EXPECT_EQ(json.at("weights_sha256"), "00ff");
+  EXPECT_EQ(json.at("algorithm"), "ppo");
+  EXPECT_EQ(json.at("algorithm_format"), 1);
   EXPECT_EQ(json.at("task"), "push");
   EXPECT_EQ(json.at("method"), "multihead");
   EXPECT_EQ(json.at("heads"), 2);
@@ -443,7 +449,7 @@ TEST(InspectTest, JsonHasTheStableKeys) {
 TEST(InspectTest, ASharedCriticHasTheParametersOfOneHead) {
   Checkpoint checkpoint = TwoHeads();
   SetField(checkpoint.config, "policy.critic_heads", "shared");
-  checkpoint.state.parameters.resize(ParameterCount(ShapeOf(checkpoint.config)));
+  checkpoint.state.weights.count = ParameterCount(ShapeOf(checkpoint.config));
   std::ostringstream out;
   PrintCheckpointJson(checkpoint, out);
   const auto json = nlohmann::json::parse(out.str());

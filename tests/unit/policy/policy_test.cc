@@ -123,9 +123,9 @@ INSTANTIATE_TEST_SUITE_P(MethodsAndSchedules, PolicyTest,
                          ::testing::Values(std::pair{MULTIHEAD, SCHEDULE_BLOCKS},
                                            std::pair{MULTIHEAD, SCHEDULE_INTERLEAVED},
                                            std::pair{MULTIHEAD, SCHEDULE_SHUFFLED},
-                                           std::pair{PPO, SCHEDULE_BLOCKS},
-                                           std::pair{PPO_TIME, SCHEDULE_BLOCKS},
-                                           std::pair{PPO_TIME, SCHEDULE_SHUFFLED}));
+                                           std::pair{SINGLE, SCHEDULE_BLOCKS},
+                                           std::pair{SINGLE_TIME, SCHEDULE_BLOCKS},
+                                           std::pair{SINGLE_TIME, SCHEDULE_SHUFFLED}));
 
 TEST(PolicyTest, ActingTwiceOrAfterOtherStatesGivesEqualBits) {
   const RunConfig config = SmallConfig();
@@ -217,7 +217,7 @@ TEST(PolicyTest, RefusesAScheduleOfAnotherNumberOfHeads) {
 // An input that was constant in training may move later: what it is multiplied by is bounded.
 TEST(SnapshotTest, AddsTheConfiguredEpsilonToTheVariance) {
   RunConfig config = SmallConfig();
-  TrainState state = Trainer::InitialState(config);
+  PpoState state = Trainer::InitialState(config);
   state.observation = {std::vector<double>(39, 0), std::vector<double>(39, 0), 100};
   state.observation.m2[1] = 300;
   EXPECT_EQ(SnapshotOf(state, config).observation_inv_std[0], 1e4F) << "as ever, by default";

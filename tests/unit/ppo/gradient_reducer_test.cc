@@ -111,7 +111,7 @@ class GroupedMinibatchTest : public ::testing::TestWithParam<std::size_t> {
   }
 
   RunConfig config_ = testing::SmallConfig();
-  TrainState initial_;
+  PpoState initial_;
   TrainingBatch batch_;
   std::vector<std::uint32_t> samples_;
   std::size_t gradients_held_ = 0;

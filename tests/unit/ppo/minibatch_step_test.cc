@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "learner/algorithm/algorithm.h"
 #include "learner/ppo/trainer.h"
 #include "tests/unit/support/double_network.h"
 #include "tests/unit/support/synthetic_run.h"
@@ -68,7 +69,7 @@ struct Prepared {
 
 // A batch whose ratios are spread around 1, so that every branch of the clip occurs.
 Prepared Prepare(const RunConfig& config, WorkerTeam& team) {
-  TrainState initial = Trainer::InitialState(config);
+  PpoState initial = Trainer::InitialState(config);
   const PolicySnapshot snapshot = SnapshotOf(initial, config);
   const auto episodes = SyntheticBatch(config, snapshot, 0);
   Prepared prepared{BuildBatch({config, episodes, snapshot, initial.parameters.data(), 0.7F}, team),
@@ -122,12 +123,12 @@ TEST_P(GradientTest, AgreesWithFiniteDifferencesOfAnIndependentLoss) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Arms, GradientTest,
-                         ::testing::Values(Arm{MULTIHEAD}, Arm{PPO}, Arm{PPO_TIME},
+                         ::testing::Values(Arm{MULTIHEAD}, Arm{SINGLE}, Arm{SINGLE_TIME},
                                            Arm{MULTIHEAD, SCHEDULE_BLOCKS, CRITIC_HEADS_SHARED},
                                            Arm{MULTIHEAD, SCHEDULE_INTERLEAVED,
                                                CRITIC_HEADS_SEPARATE},
                                            Arm{MULTIHEAD, SCHEDULE_SHUFFLED, CRITIC_HEADS_SHARED},
-                                           Arm{PPO, SCHEDULE_BLOCKS, CRITIC_HEADS_SHARED}));
+                                           Arm{SINGLE, SCHEDULE_BLOCKS, CRITIC_HEADS_SHARED}));
 
 TEST(MinibatchStepTest, TheReportedLossesAddUpToTheIndependentLoss) {
   const RunConfig config = SmallConfig();

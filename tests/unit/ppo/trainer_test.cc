@@ -12,7 +12,8 @@
 #include <tuple>
 #include <vector>
 
-#include "learner/ppo/episode_check.h"
+#include "learner/algorithm/algorithm.h"
+#include "learner/algorithm/episode_check.h"
 #include "tests/unit/support/synthetic_run.h"
 
 namespace metronome {
@@ -23,10 +24,10 @@ constexpr std::uint64_t kCheckKey = 99;
 using testing::SmallConfig;
 using testing::SyntheticBatch;
 
-TrainState TrainFor(const RunConfig& config, int updates, int threads) {
+PpoState TrainFor(const RunConfig& config, int updates, int threads) {
   Trainer trainer(config, Trainer::InitialState(config), threads);
   for (int i = 0; i < updates; ++i) {
-    const TrainState& state = trainer.state();
+    const PpoState& state = trainer.state();
     const bool lags = config.collection().overlap() > 0 && state.version > 0;
     const PolicySnapshot snapshot =
         lags ? PreviousSnapshotOf(state, config) : SnapshotOf(state, config);
@@ -48,14 +49,14 @@ class TrainerBitsTest : public ::testing::TestWithParam<std::tuple<int, Schedule
 
 TEST_P(TrainerBitsTest, AnyNumberOfThreadsGivesTheSameState) {
   const RunConfig config = Config();
-  const TrainState one = TrainFor(config, 3, 1);
+  const PpoState one = TrainFor(config, 3, 1);
   EXPECT_EQ(TrainFor(config, 3, 2), one);
   EXPECT_EQ(TrainFor(config, 3, 5), one);
 }
 
 TEST_P(TrainerBitsTest, ARestoredStateGoesOnAsIfNothingHadHappened) {
   const RunConfig config = Config();
-  const TrainState half = TrainFor(config, 2, 2);
+  const PpoState half = TrainFor(config, 2, 2);
   Trainer resumed(config, half, 2);
   const PolicySnapshot snapshot =
       Overlap() > 0 ? PreviousSnapshotOf(half, config) : SnapshotOf(half, config);
@@ -93,11 +94,11 @@ TEST(TrainerTest, LearnsFromTheRewardOfSuccessAndReportsWithoutIt) {
   Trainer by_setting(rewarded, Trainer::InitialState(rewarded), 1);
   Trainer by_hand(config, Trainer::InitialState(config), 1);
   std::vector<Episode> episodes = SyntheticBatch(config, SnapshotOf(by_hand.state(), config), 0);
-  const UpdateReport report = by_setting.Update(episodes);
+  const PpoReport report = by_setting.Update(episodes);
   const double official =
       Trainer(config, Trainer::InitialState(config), 1).Update(episodes).mean_return;
   for (const int number : {0, 3, 6, 9}) episodes[std::size_t(number)].reward[5] += 10;
-  const UpdateReport report_by_hand = by_hand.Update(episodes);
+  const PpoReport report_by_hand = by_hand.Update(episodes);
   EXPECT_EQ(by_setting.state(), by_hand.state());
   EXPECT_DOUBLE_EQ(report.reward_scale, report_by_hand.reward_scale);
   EXPECT_DOUBLE_EQ(report.mean_return, official);
@@ -108,10 +109,10 @@ TEST(TrainerTest, CountsVersionsStepsAndEpisodes) {
   const RunConfig config = SmallConfig();
   Trainer trainer(config, Trainer::InitialState(config), 1);
   const PolicySnapshot snapshot = SnapshotOf(trainer.state(), config);
-  const UpdateReport report = trainer.Update(SyntheticBatch(config, snapshot, 0));
+  const PpoReport report = trainer.Update(SyntheticBatch(config, snapshot, 0));
   EXPECT_EQ(report.version, 1U);
   EXPECT_EQ(report.steps, 400U);
-  EXPECT_EQ(report.episodes, 10U);
+  EXPECT_EQ(report.episodes_used, 10U);
   EXPECT_DOUBLE_EQ(report.success, 0.4);  // episodes 0, 3, 6, 9
   EXPECT_DOUBLE_EQ(report.success_end, 0);
   EXPECT_DOUBLE_EQ(report.learning_rate, 5e-4);
@@ -141,7 +142,7 @@ TEST(TrainerTest, NoFurtherEpochOnceTheDivergencePassesTheStop) {
   config.mutable_ppo()->set_kl_stop(0.03);
   Trainer trainer(config, Trainer::InitialState(config), 1);
   const PolicySnapshot snapshot = SnapshotOf(trainer.state(), config);
-  const UpdateReport report = trainer.Update(SyntheticBatch(config, snapshot, 0));
+  const PpoReport report = trainer.Update(SyntheticBatch(config, snapshot, 0));
   EXPECT_LT(report.epochs, 10);
   EXPECT_GT(report.kl, 0.03);
 }
@@ -162,7 +163,7 @@ TEST(TrainerTest, TheFirstBatchIsSeenUnnormalisedAndTheSecondByItsStatistics) {
 TEST(TrainerTest, ANonFiniteEpisodeStopsTheUpdateAndKeepsTheState) {
   const RunConfig config = SmallConfig();
   Trainer trainer(config, Trainer::InitialState(config), 2);
-  const TrainState before = trainer.state();
+  const PpoState before = trainer.state();
   auto batch = SyntheticBatch(config, SnapshotOf(before, config), 0);
   batch[4].reward[7] = std::numeric_limits<float>::infinity();
   EXPECT_THROW(trainer.Update(batch), NonFiniteUpdate);
@@ -171,7 +172,7 @@ TEST(TrainerTest, ANonFiniteEpisodeStopsTheUpdateAndKeepsTheState) {
 
 TEST(TrainerTest, AnUpdateWhoseStdNoActorCanDrawWithIsRefused) {
   const RunConfig config = SmallConfig();
-  TrainState state = Trainer::InitialState(config);
+  PpoState state = Trainer::InitialState(config);
   const auto batch = SyntheticBatch(config, SnapshotOf(state, config), 0);
   state.parameters[ActorLayout(ShapeOf(config)).log_std] = 80;  // finite, and so is its exp
   Trainer trainer(config, state, 1);
@@ -185,13 +186,13 @@ TEST(TrainerTest, AnUpdateWhoseStdNoActorCanDrawWithIsRefused) {
 }
 
 TEST(TrainerTest, RefusesAStateOfAnotherShape) {
-  const TrainState state = Trainer::InitialState(SmallConfig(MULTIHEAD, 3));
+  const PpoState state = Trainer::InitialState(SmallConfig(MULTIHEAD, 3));
   EXPECT_THROW(Trainer(SmallConfig(MULTIHEAD, 4), state, 1), std::invalid_argument);
 }
 
 TEST(InitialStateTest, WeightsAreOrthogonalWithTheirGain) {
   const RunConfig config = SmallConfig();
-  const TrainState state = Trainer::InitialState(config);
+  const PpoState state = Trainer::InitialState(config);
   const LayerSlice slice = ActorLayout(ShapeOf(config)).hidden[0];  // 13 rows of 39
   for (int a = 0; a < slice.outputs; ++a) {
     for (int b = 0; b < slice.outputs; ++b) {
@@ -220,7 +221,7 @@ TEST(InitialStateTest, ASharedCriticBeginsAsTheFirstHeadOfSeparateOnes) {
 
 TEST(EpisodeCheckTest, AcceptsTheActorsEpisodeAndNamesWhatIsWrongWithOthers) {
   const RunConfig config = SmallConfig();
-  const TrainState state = Trainer::InitialState(config);
+  const PpoState state = Trainer::InitialState(config);
   const PolicySnapshot snapshot = SnapshotOf(state, config);
   Policy policy(config, snapshot);
   const Episode good = testing::SyntheticEpisode(config, snapshot, 6);

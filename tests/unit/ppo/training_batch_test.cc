@@ -62,7 +62,7 @@ class TrainingBatchTest : public ::testing::TestWithParam<std::tuple<Schedule, C
   }
 
   RunConfig config_;
-  TrainState state_;
+  PpoState state_;
   PolicySnapshot behaviour_;
   std::vector<Episode> episodes_;
   TrainingBatch batch_;

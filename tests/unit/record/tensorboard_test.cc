@@ -16,9 +16,9 @@ namespace metronome {
 namespace {
 
 std::vector<Metric> Metrics(double value) {
-  return {{"return", "train/return", value},
-          {"epochs", "ppo/epochs", std::uint64_t{10}},
-          {"fps", "wall/fps", 900.5}};
+  return {{"return", "train/return", value, ""},
+          {"epochs", "ppo/epochs", std::uint64_t{10}, ""},
+          {"fps", "wall/fps", 900.5, ""}};
 }
 
 /// Reads a file as TensorBoard does; stops the test at a frame that is not right.

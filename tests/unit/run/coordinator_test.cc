@@ -367,7 +367,7 @@ TEST(CoordinatorTest, AfterAResumeTheDigestOfAnOlderBuildIsCompletedOnce) {
   const std::string whole = older + std::string(64, 'b');
   FakeRun run;
   run.Resume(1);
-  run.learning.current.canonical_digest = older;
+  run.setup.canonical_digest = older;
   FakeActor& longer = run.AddActor(1);
   longer.status.canonical_digest = whole + "b";
   run.AddActor(2).status.canonical_digest = whole;

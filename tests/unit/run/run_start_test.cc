@@ -8,6 +8,8 @@
 #include "common/config/config.h"
 #include "common/process/build_info.h"
 #include "common/process/sha256.h"
+#include "learner/ppo/ppo_algorithm.h"
+#include "learner/ppo/ppo_state.h"
 #include "learner/ppo/trainer.h"
 #include "tests/unit/support/synthetic_run.h"
 #include "tests/unit/support/temporary_folder.h"
@@ -35,22 +37,23 @@ class RunStartTest : public TemporaryFolderTest {
     checkpoint.engine = EngineName();
     checkpoint.incarnation = 3;
     checkpoint.logs = {100 * version, 200 * version, 5};
-    TrainState& state = checkpoint.state = Trainer::InitialState(request_.config);
+    PpoState state = Trainer::InitialState(request_.config);
     state.version = version;
     state.steps = version * 400;
     state.adam_m.assign(state.adam_m.size(), 0.5F);
     state.adam_steps = 7;
     state.observation = {std::vector<double>(39, 1), std::vector<double>(39, 2), 400};
     state.reward_return = {{1}, {2}, 3};
-    state.canonical_digest = "00ff";
     state.episodes_used = version * 10;
     state.parameters[0] = static_cast<float>(version);
+    checkpoint.state = EncodePpoState(state, request_.config);
+    checkpoint.state.canonical_digest = "00ff";
     return checkpoint;
   }
 
   [[nodiscard]] std::string Refusal() const {
     try {
-      StartOf(request_);
+      AlgorithmOf(StartOf(request_, *ppo_), *ppo_, {});
     } catch (const std::exception& error) {
       return error.what();
     }
@@ -58,6 +61,7 @@ class RunStartTest : public TemporaryFolderTest {
   }
 
   RunRequest request_;
+  std::shared_ptr<const AlgorithmFactory> ppo_ = MakePpoFactory();
 };
 
 TEST_F(RunStartTest, AResumedRunGoesOnFromTheNewestWholeCheckpointAndItsLogs) {
@@ -65,7 +69,7 @@ TEST_F(RunStartTest, AResumedRunGoesOnFromTheNewestWholeCheckpointAndItsLogs) {
   for (std::uint64_t version = 1; version <= 3; ++version) store.Save(At(version));
   std::ofstream(Checkpoints() + "/000003.ckpt", std::ios::trunc) << "torn";
   request_.resume = true;
-  const RunStart start = StartOf(request_);
+  const RunStart start = StartOf(request_, *ppo_);
   EXPECT_TRUE(start.resumed);
   EXPECT_EQ(start.checkpoint.state, At(2).state);
   EXPECT_EQ(start.checkpoint.logs, At(2).logs);
@@ -85,15 +89,15 @@ TEST_F(RunStartTest, AStartThatIsRefusedMovesNothing) {
 TEST_F(RunStartTest, ARunThatNeverHadACheckpointBeginsAtVersion0) {
   request_.resume = true;
   std::ofstream(request_.folder + "/progress.csv") << "steps,update\n";
-  const RunStart start = StartOf(request_);
+  const RunStart start = StartOf(request_, *ppo_);
   EXPECT_FALSE(start.resumed);
-  EXPECT_EQ(start.checkpoint.state, Trainer::InitialState(request_.config));
+  EXPECT_EQ(start.checkpoint.state, ppo_->InitialState(request_.config, nullptr));
 }
 
 TEST_F(RunStartTest, ARunWhoseCheckpointsAreLostDoesNotBeginAgain) {
   request_.resume = true;
   std::ofstream(request_.folder + "/progress.csv") << "steps,update\n400,1\n800,2\n";
-  EXPECT_THROW(StartOf(request_), CannotStart);
+  EXPECT_THROW(StartOf(request_, *ppo_), CannotStart);
   EXPECT_NE(Refusal().find("tells of 2 updates"), std::string::npos) << Refusal();
   EXPECT_NE(Refusal().find("another --run"), std::string::npos);
 }
@@ -103,18 +107,42 @@ TEST_F(RunStartTest, OfAnotherRunWeightsAndObservationStatisticsAreTakenAlone) {
   const std::string path = CheckpointStore(root_ + "/other", 5).Save(source);
   request_.config.mutable_policy()->set_initial_weights(path);
   request_.config.set_seed(99);
-  TrainState expected = Trainer::InitialState(request_.config);
-  expected.parameters = source.state.parameters;
-  expected.observation = source.state.observation;
+  PpoState expected = Trainer::InitialState(request_.config);
+  const PpoState other = DecodePpoState(source.state, request_.config);
+  expected.parameters = other.parameters;
+  expected.observation = other.observation;
   // Killed before its first checkpoint, the run begins in the same way.
   for (const bool resume : {false, true}) {
     request_.resume = resume;
-    const RunStart start = StartOf(request_);
-    EXPECT_EQ(start.checkpoint.state, expected);
+    const RunStart start = StartOf(request_, *ppo_);
+    EXPECT_EQ(start.checkpoint.state, EncodePpoState(expected, request_.config));
     EXPECT_EQ(start.checkpoint.logs, LogOffsets());
-    EXPECT_EQ(start.checkpoint.initial_weights_sha256, WeightsSha256(source.state.parameters));
+    EXPECT_EQ(start.checkpoint.initial_weights_sha256, WeightsSha256(other.parameters));
     EXPECT_FALSE(start.resumed);
   }
+}
+
+TEST_F(RunStartTest, AStateOfALaterFormatOfTheAlgorithmIsRefusedByName) {
+  Checkpoint later = At(2);
+  later.state.algorithm.format = kPpoStateFormat + 1;
+  const std::string path = CheckpointStore(Checkpoints(), 5).Save(later);
+  request_.resume = true;
+  EXPECT_EQ(Refusal(), path +
+                           ": its state of ppo has format 2, this build reads formats 1 to 1; use "
+                           "a build that knows it");
+  request_.resume = false;
+  request_.config.mutable_policy()->set_initial_weights(path);
+  EXPECT_NE(Refusal().find("--from " + path + ": its state of ppo has format 2"), std::string::npos)
+      << Refusal();
+}
+
+TEST_F(RunStartTest, AnotherAlgorithmsWeightsAreNotBegunWith) {
+  Checkpoint other = At(2);
+  other.state.algorithm = {"other", 1, ""};
+  request_.config.mutable_policy()->set_initial_weights(
+      CheckpointStore(Checkpoints(), 5).Save(other));
+  EXPECT_NE(Refusal().find("its algorithm is other, this run's is ppo"), std::string::npos)
+      << Refusal();
 }
 
 TEST_F(RunStartTest, ACheckpointRemembersTheWeightsThatItsRunBeganWith) {

@@ -8,7 +8,7 @@
 #include <system_error>
 #include <vector>
 
-#include "learner/ppo/trainer.h"
+#include "learner/algorithm/algorithm.h"
 #include "learner/run/coordinator.h"
 #include "tests/unit/support/fake_bus.h"
 
@@ -18,10 +18,10 @@ namespace metronome::testing {
 
 using std::chrono::milliseconds;
 
-/// "Learning" that counts versions and keeps the numbers it was given.
-class FakeLearning final : public Learning {
+/// An "algorithm" that counts versions and keeps the numbers it was given.
+class FakeAlgorithm final : public Algorithm {
  public:
-  [[nodiscard]] const TrainState& state() const override { return current; }
+  [[nodiscard]] const RunCounters& counters() const override { return current; }
   UpdateReport Update(const std::vector<Episode>& batch) override {
     if (fail_at == current.version + 1) throw NonFiniteUpdate("the loss is nan");
     for (const Episode& episode : batch) {
@@ -32,15 +32,17 @@ class FakeLearning final : public Learning {
     ++current.version;
     current.steps += batch.size() * 10;
     UpdateReport report;
-    report.version = current.version;
-    report.steps = current.steps;
+    static_cast<RunCounters&>(report) = current;
     return report;
   }
-  [[nodiscard]] PolicySnapshot Snapshot(const TrainState& state) const override {
-    return Make(state.version);
+  [[nodiscard]] TrainState State() const override {
+    TrainState state;
+    static_cast<RunCounters&>(state) = current;
+    return state;
   }
-  [[nodiscard]] PolicySnapshot PreviousSnapshot(const TrainState& state) const override {
-    return Make(state.version - 1);
+  [[nodiscard]] PolicySnapshot Snapshot() const override { return Make(current.version); }
+  [[nodiscard]] PolicySnapshot PreviousSnapshot() const override {
+    return Make(current.version - 1);
   }
   [[nodiscard]] std::optional<std::string> Check(const Episode& episode,
                                                  const PolicySnapshot& snapshot) const override {
@@ -48,8 +50,9 @@ class FakeLearning final : public Learning {
     if (std::isnan(episode.reward.at(0))) return "a reward is not finite";
     return std::nullopt;
   }
+  [[nodiscard]] std::vector<Metric> Metrics() const override { return {}; }
 
-  TrainState current;
+  RunCounters current;
   std::uint64_t fail_at = 0;
   std::vector<std::uint64_t> learnt;
   std::vector<std::uint64_t> behaviour;
@@ -157,7 +160,7 @@ class FakeRun {
     setup.resumed = true;
     setup.rules.first_version = version;
     learning.current.version = version;
-    learning.current.canonical_digest = "digest-1";
+    setup.canonical_digest = "digest-1";
   }
 
   int Run() {
@@ -182,7 +185,7 @@ class FakeRun {
   CoordinatorSetup setup;
   FakeBus bus;
   FakeBackground background;
-  FakeLearning learning;
+  FakeAlgorithm learning;
   FakeRecord record;
   std::map<std::uint64_t, FakeActor> actors;
   std::unique_ptr<Coordinator> coordinator;

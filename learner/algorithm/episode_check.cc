@@ -1,4 +1,4 @@
-#include "learner/ppo/episode_check.h"
+#include "learner/algorithm/episode_check.h"
 
 #include <cmath>
 #include <cstddef>

@@ -3,17 +3,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "learner/algorithm/metric.h"
+#include "learner/algorithm/update_report.h"
+
 namespace metronome {
 
-/// What one update saw and did; the source of progress.csv and the TensorBoard tags.
-/// Everything here is a pure function of state and batch.
-struct UpdateReport {
-  std::uint64_t version = 0;   // after the update
-  std::uint64_t steps = 0;     // environment steps so far
-  std::uint64_t episodes = 0;  // episodes so far
-  double mean_return = 0;      // undiscounted episode return, mean over the batch
-  double success = 0;          // share of episodes with success at any step
-  double success_end = 0;      // share with success at the last step
+/// What one update of PPO saw and did.
+struct PpoReport : UpdateReport {
   // Means over all minibatches of all epochs made, each under the weights before its step.
   double policy_loss = 0;
   double value_loss = 0;          // half squared error, of scaled returns
@@ -29,9 +25,17 @@ struct UpdateReport {
   // Per head, [k]. By the weights after the update:
   std::vector<double> head_entropy;  // nats
   std::vector<double> head_std;      // mean of exp(log_std)
-  // Over the head's samples in all minibatches of all epochs (`kl` is of the last one); 0 without.
+  // Over the head's samples in all minibatches of all epochs (`kl` is of the last one); 0
+  // without.
   std::vector<double> head_kl;
   std::vector<double> head_clip_share;
 };
+
+/// Of a run with `heads` heads, before any update.
+PpoReport EmptyPpoReport(std::size_t heads);
+
+/// PPO's own metrics, in the order of progress.csv's columns: of all samples, then those per head.
+/// @throws std::invalid_argument if the per-head lists differ in length.
+std::vector<Metric> PpoMetrics(const PpoReport& report);
 
 }  // namespace metronome

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/checkpoint/train_state.h"
+#include "common/messages/messages.h"
+#include "common/policy/running_statistics.h"
+#include "common/schema/config.pb.h"
+
+namespace metronome {
+
+/// Everything that an update of PPO starts from.
+struct PpoState : RunCounters {
+  std::vector<float> parameters;  // actor then critic, see common/policy/network.h
+  std::vector<float> adam_m;      // same length
+  std::vector<float> adam_v;      // same length
+  std::uint64_t adam_steps = 0;
+  RunningStatistics observation;    // 39 dimensions, enters snapshots from the next version on
+  RunningStatistics reward_return;  // 1 dimension: discounted return, the reward's scale
+  /// overlap 1: what version - 1 acted with; batch `version` was played under it.
+  std::vector<float> previous_actor;
+  RunningStatistics previous_observation;
+  bool operator==(const PpoState&) const = default;
+};
+
+/// What actors act with at state.version; incarnation is left 0 for the sender to fill.
+PolicySnapshot SnapshotOf(const PpoState& state, const RunConfig& config);
+/// What they acted with at state.version - 1 (overlap 1). @throws std::logic_error at version 0.
+PolicySnapshot PreviousSnapshotOf(const PpoState& state, const RunConfig& config);
+
+/// AlgorithmState::format of what EncodePpoState makes; grows whenever an older build would misread
+/// it. 1: ppo_state.proto as it is.
+inline constexpr std::uint32_t kPpoStateFormat = 1;
+
+/// As a checkpoint keeps it, and back. @param config  resolved.
+/// @throws UnusableState (learner/algorithm/algorithm_factory.h) for another algorithm's state, an
+///         unknown format, or numbers that do not fit the configuration's network.
+TrainState EncodePpoState(const PpoState& state, const RunConfig& config);
+PpoState DecodePpoState(const TrainState& state, const RunConfig& config);
+
+}  // namespace metronome

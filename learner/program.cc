@@ -1,0 +1,76 @@
+#include "learner/program.h"
+
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <stdexcept>
+#include <variant>
+
+#include "common/checkpoint/checkpoint.h"
+#include "common/config/config.h"
+#include "common/policy/network.h"
+#include "common/process/exit_codes.h"
+#include "common/process/ignored_signals.h"
+#include "learner/options.h"
+#include "learner/record/inspect.h"
+#include "learner/serve.h"
+#include "learner/show_status.h"
+
+namespace metronome {
+namespace {
+
+/// What was printed is the result. @throws std::runtime_error if it is lost (a full disk, say).
+void RequireWritten() {
+  if (!std::cout.flush()) throw std::runtime_error("cannot write to standard output");
+}
+
+int Execute(const RunOptions& options, const Algorithms& algorithms) {
+  return ServeRun(options, algorithms);
+}
+
+int Execute(const StatusOptions& options, const Algorithms& /*algorithms*/) {
+  return WatchRun(options);
+}
+
+int Execute(const InspectOptions& options, const Algorithms& /*algorithms*/) {
+  try {
+    const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
+    (options.json ? PrintCheckpointJson : PrintCheckpoint)(checkpoint, std::cout);
+    RequireWritten();
+    return kExitFinished;
+  } catch (const std::exception& error) {
+    std::cerr << "metronome-learner inspect: " << error.what() << "\n";
+    return kExitFailure;
+  }
+}
+
+// The counts are a comment: the output is a configuration file.
+int Execute(const PrintConfigOptions& options, const Algorithms& /*algorithms*/) {
+  const NetworkShape shape = ShapeOf(options.config);
+  std::cout << "# parameters: " << ParameterCount(shape) << " (actor " << ActorLayout(shape).size
+            << ", critic " << CriticLayout(shape).size << ")\n"
+            << PrintConfig(options.config);
+  RequireWritten();
+  return kExitFinished;
+}
+
+int Execute(int argc, char** argv, const Algorithms& algorithms) {
+  const auto parsed = ParseLearnerCommand(argc, argv);
+  if (const int* status = std::get_if<int>(&parsed)) return *status;
+  return std::visit([&](const auto& command) { return Execute(command, algorithms); },
+                    std::get<LearnerCommand>(parsed));
+}
+
+}  // namespace
+
+int LearnerProgram(int argc, char** argv, const Algorithms& algorithms) {
+  IgnoreFileSizeLimit();
+  try {
+    return Execute(argc, argv, algorithms);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "metronome-learner: %s\n", error.what());
+    return kExitFailure;
+  }
+}
+
+}  // namespace metronome
