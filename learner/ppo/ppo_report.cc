@@ -35,8 +35,8 @@ std::vector<Metric> PpoMetrics(const PpoReport& report) {
        "the same of half the squared error of scaled returns"},
       {"entropy", "loss/entropy", report.entropy, "the same of the policy's entropy, nats"},
       {"kl", "ppo/kl", report.kl,
-       "mean of old minus new log-probability over the last minibatch; old: at the start of the "
-       "update"},
+       "mean of old minus new log-probability over the last minibatch (with `kl_estimate: "
+       "KL_ESTIMATE_EPOCH` over the last epoch); old: at the start of the update"},
       {"clip_share", "ppo/clip_share", report.clip_share,
        "share of samples whose ratio was outside the clip range, over all minibatches"},
       {"explained_variance", "ppo/explained_variance", report.explained_variance,

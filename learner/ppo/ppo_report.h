@@ -14,7 +14,7 @@ struct PpoReport : UpdateReport {
   double policy_loss = 0;
   double value_loss = 0;          // half squared error, of scaled returns
   double entropy = 0;             // nats
-  double kl = 0;                  // mean old minus new log-probability over the last minibatch
+  double kl = 0;                  // mean old minus new log-probability, by ppo.kl_estimate
   double clip_share = 0;          // samples whose ratio left [1 - clip, 1 + clip], all minibatches
   double explained_variance = 0;  // of the returns by the values before the update
   double gradient_norm = 0;       // before clipping, mean over all minibatches
@@ -25,7 +25,7 @@ struct PpoReport : UpdateReport {
   // Per head, [k]. By the weights after the update:
   std::vector<double> head_entropy;  // nats
   std::vector<double> head_std;      // mean of exp(log_std)
-  // Over the head's samples in all minibatches of all epochs (`kl` is of the last one); 0
+  // Over the head's samples in all minibatches of all epochs (`kl` may be of the last one); 0
   // without.
   std::vector<double> head_kl;
   std::vector<double> head_clip_share;

@@ -26,11 +26,14 @@ void FixEigenBlocking() { Eigen::setCpuCacheSizes(32 * 1024, 512 * 1024, 8 * 102
 // Running sums of everything that PpoReport averages.
 class ReportSums {
  public:
-  explicit ReportSums(std::size_t heads) : heads_(heads) {}
+  ReportSums(std::size_t heads, KlEstimate estimate) : estimate_(estimate), heads_(heads) {}
+
+  void BeginEpoch() { epoch_kl_ = epoch_samples_ = 0; }
 
   void Add(const MinibatchSums& sums, std::size_t samples) {
     last_kl_ = 0;
     samples_ += double(samples);
+    epoch_samples_ += double(samples);
     policy_loss_ += sums.policy_loss;
     value_loss_ += sums.value_loss;
     entropy_ += sums.entropy;
@@ -41,18 +44,21 @@ class ReportSums {
       heads_[i].kl += sums.heads[i].kl;
       heads_[i].clipped += sums.heads[i].clipped;
       last_kl_ += sums.heads[i].kl / double(samples);
+      epoch_kl_ += sums.heads[i].kl;
     }
   }
 
-  /// Mean of old minus new log-probability over the last minibatch.
-  [[nodiscard]] double last_kl() const { return last_kl_; }
+  /// Mean of old minus new log-probability over the last minibatch, or over the epoch so far.
+  [[nodiscard]] double kl() const {
+    return estimate_ == KL_ESTIMATE_EPOCH ? epoch_kl_ / epoch_samples_ : last_kl_;
+  }
 
   void Fill(PpoReport& report) const {
     report.policy_loss = policy_loss_ / samples_;
     report.value_loss = value_loss_ / samples_;
     report.entropy = entropy_ / samples_;
     report.gradient_norm = gradient_norm_ / minibatches_;
-    report.kl = last_kl_;
+    report.kl = kl();
     double clipped = 0;
     for (const HeadSums& head : heads_) {
       report.head_kl.push_back(head.samples > 0 ? head.kl / head.samples : 0);
@@ -63,6 +69,7 @@ class ReportSums {
   }
 
  private:
+  KlEstimate estimate_;
   std::vector<HeadSums> heads_;
   double samples_ = 0;
   double minibatches_ = 0;
@@ -71,6 +78,8 @@ class ReportSums {
   double entropy_ = 0;
   double gradient_norm_ = 0;
   double last_kl_ = 0;
+  double epoch_kl_ = 0;  // sum
+  double epoch_samples_ = 0;
 };
 
 void FillHeadSpread(const RunConfig& config, const std::vector<float>& parameters,
@@ -139,6 +148,7 @@ struct Trainer::Impl {
                      OptimiserState& optimiser, ReportSums& sums) {
     const auto minibatch = std::size_t(config.ppo().minibatch());
     for (std::int32_t epoch = 0; epoch < config.ppo().epochs(); ++epoch) {
+      sums.BeginEpoch();
       const std::vector<std::uint32_t> order = Permutation(
           std::uint32_t(batch.size()),
           {RandomPurpose::kShuffle, config.seed(), state.version, std::uint64_t(epoch)});
@@ -149,7 +159,7 @@ struct Trainer::Impl {
         sums.Add(step.Run(batch, samples, settings, optimiser), samples.size());
       }
       const double kl_stop = config.ppo().kl_stop();
-      if (kl_stop > 0 && sums.last_kl() > kl_stop) return epoch + 1;
+      if (kl_stop > 0 && sums.kl() > kl_stop) return epoch + 1;
     }
     return config.ppo().epochs();
   }
@@ -213,7 +223,7 @@ PpoReport Trainer::Update(const std::vector<Episode>& episodes) {
   const StepSettings settings = impl.Settings();
   OptimiserState optimiser{std::move(next.parameters), std::move(next.adam_m),
                            std::move(next.adam_v), next.adam_steps};
-  ReportSums sums(std::size_t(impl.config.policy().heads()));
+  ReportSums sums(std::size_t(impl.config.policy().heads()), impl.config.ppo().kl_estimate());
   report.epochs = impl.Learn(batch, settings, optimiser, sums);
   if (!AllFinite(optimiser.parameters)) throw NonFiniteUpdate("a parameter is not finite");
   next.parameters = std::move(optimiser.parameters);

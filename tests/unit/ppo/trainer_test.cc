@@ -147,6 +147,51 @@ TEST(TrainerTest, NoFurtherEpochOnceTheDivergencePassesTheStop) {
   EXPECT_GT(report.kl, 0.03);
 }
 
+/// Minibatches of 150, 150 and 100 samples: the last one is small, and its estimate noisy.
+RunConfig StoppingAt(double kl_stop, KlEstimate estimate) {
+  RunConfig config = SmallConfig();
+  config.mutable_ppo()->set_learning_rate(1e-2);
+  config.mutable_ppo()->set_epochs(10);
+  config.mutable_ppo()->set_kl_stop(kl_stop);
+  config.mutable_ppo()->set_kl_estimate(estimate);
+  return config;
+}
+
+PpoReport FirstUpdate(const RunConfig& config) {
+  Trainer trainer(config, Trainer::InitialState(config), 1);
+  return trainer.Update(SyntheticBatch(config, SnapshotOf(trainer.state(), config), 0));
+}
+
+// One epoch of all samples: its mean is that of all heads, weighted by their equal samples.
+TEST(TrainerTest, OverTheEpochTheDivergenceIsTheMeanOfAllItsSamples) {
+  RunConfig config = StoppingAt(0, KL_ESTIMATE_EPOCH);
+  config.mutable_ppo()->set_epochs(1);
+  const PpoReport report = FirstUpdate(config);
+  // Of 40 steps, heads 0, 1 and 2 of three have 14, 13 and 13.
+  const double mean =
+      (14 * report.head_kl[0] + 13 * report.head_kl[1] + 13 * report.head_kl[2]) / 40;
+  EXPECT_NEAR(report.kl, mean, 1e-12);
+  config.mutable_ppo()->set_kl_estimate(KL_ESTIMATE_LAST_MINIBATCH);
+  EXPECT_GT(std::abs(FirstUpdate(config).kl - mean), 1e-4);
+}
+
+TEST(TrainerTest, TheStopFollowsTheEstimateThatIsAskedFor) {
+  const KlEstimate estimates[] = {KL_ESTIMATE_LAST_MINIBATCH, KL_ESTIMATE_EPOCH};
+  for (const KlEstimate estimate : estimates) {
+    const PpoReport free = FirstUpdate(StoppingAt(0, estimate));
+    ASSERT_EQ(free.epochs, 10);
+    const PpoReport stopped = FirstUpdate(StoppingAt(0.02, estimate));
+    EXPECT_LT(stopped.epochs, 10);
+    EXPECT_GT(stopped.kl, 0.02);
+    // An epoch fewer had not passed it.
+    RunConfig before = StoppingAt(0, estimate);
+    before.mutable_ppo()->set_epochs(stopped.epochs - 1);
+    if (stopped.epochs > 1) {
+      EXPECT_LE(FirstUpdate(before).kl, 0.02);
+    }
+  }
+}
+
 TEST(TrainerTest, TheFirstBatchIsSeenUnnormalisedAndTheSecondByItsStatistics) {
   const RunConfig config = SmallConfig();
   Trainer trainer(config, Trainer::InitialState(config), 1);
