@@ -202,6 +202,7 @@ class Stage:
         self.domain, self._claim = _claim_domain(f"{os.getpid()} {name}")
         self.runs = folder / "runs"
         self.processes = []
+        self.learner_program = LEARNER
         self.callbacks = []  # called by close() for what else a test leaves
 
     def start(self, *command, host=None):
@@ -212,7 +213,7 @@ class Stage:
 
     def learner(self, run, *options, small=SMALL, runs=None, host=None):
         return self.start(
-            LEARNER,
+            self.learner_program,
             "run",
             "--run",
             run,

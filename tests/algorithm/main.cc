@@ -1,0 +1,10 @@
+// metronome-learner with one more algorithm, for integration/test_algorithms.py.
+#include "learner/ppo/ppo_algorithm.h"
+#include "learner/program.h"
+#include "tests/algorithm/cross_entropy.h"
+
+int main(int argc, char** argv) {
+  return metronome::LearnerProgram(argc, argv,
+                                   {{"ppo", metronome::MakePpoFactory()},
+                                    {"cross-entropy", metronome::test::MakeCrossEntropyFactory()}});
+}

@@ -1,0 +1,58 @@
+"""An algorithm that the project does not have, behind the seam that PPO is behind: tests/algorithm."""
+
+import csv
+
+import pytest
+
+from harness import ACTOR, BUILD, LEARNER, LONG, LONG_UPDATES, SMALL
+
+CUSTOM = ("--set", "custom.name=cross-entropy", "--set", "custom.settings=2",
+          "--set", "policy.initial_log_std=0", "--set", "policy.hidden=4")
+
+
+@pytest.fixture
+def crossed(stage):
+    """A stage whose learners know the cross-entropy method."""
+    stage.learner_program = str(BUILD / "bin" / "cross-entropy-learner")
+    return stage
+
+
+def test_learner_and_actors_carry_it_to_the_same_bits_whoever_plays(crossed):
+    one = crossed.train("one", *CUSTOM)
+    assert crossed.train("two", *CUSTOM, actors=2) == one
+    rows = list(csv.DictReader((crossed.runs / "one" / "progress.csv").open()))
+    assert list(rows[0])[:7] == ["steps", "update", "episodes", "return", "success", "success_end", "best_return"]
+    assert float(rows[-1]["best_return"]) >= float(rows[-1]["return"]) > 0
+
+
+def test_a_learner_killed_and_resumed_changes_nothing(crossed):
+    whole = crossed.train("whole", *CUSTOM, small=LONG)
+    learner, actor = crossed.learner("run", *CUSTOM, small=LONG), crossed.actor("run")
+    learner.expect_update(3)
+    learner.kill()
+    assert 2 <= crossed.inspect(crossed.latest("run"))["version"] < LONG_UPDATES
+    resumed = crossed.learner("run", *CUSTOM, "--resume", small=LONG)
+    assert crossed.finish("run", resumed, [actor], LONG_UPDATES) == whole
+
+
+def test_whoever_does_not_know_it_can_still_play_and_inspect_what_it_learnt(crossed):
+    crossed.train("run", *CUSTOM)
+    held = crossed.inspect(crossed.latest("run"))  # by the real program
+    assert (held["algorithm"], held["algorithm_format"], held["critic_parameters"]) == ("cross-entropy", 1, 0)
+    evaluated = crossed.start(ACTOR, "evaluate", "--checkpoint", crossed.latest("run"), "--episodes", "2", "--json")
+    assert evaluated.wait() == 0, evaluated
+    assert evaluated.json()["version"] == held["version"]
+
+
+def test_a_learner_that_does_not_know_it_says_which_it_knows(stage):
+    learner = stage.learner("run", *CUSTOM)
+    assert learner.wait() == 2, learner
+    assert 'unknown algorithm "cross-entropy"' in learner.text and "ppo" in learner.text, learner
+    assert not (stage.runs / "run").exists()
+
+
+def test_a_run_keeps_its_algorithm(crossed):
+    crossed.train("run", *CUSTOM)
+    other = crossed.start(LEARNER, "run", "--run", "run", "--runs", crossed.runs, *SMALL, "--resume")
+    assert other.wait() == 2, other
+    assert "the algorithm: the run has cross-entropy, asked for ppo" in other.text, other
