@@ -6,7 +6,6 @@
 #include <string>
 
 #include "common/config/config.h"
-#include "common/config/task_names.h"
 #include "common/dds/security.h"
 #include "common/process/build_info.h"
 #include "common/process/logging.h"
@@ -29,6 +28,7 @@ struct Typed {
   PlacementsOptions placements;
   EvaluateOptions evaluate;
   RenderOptions render;
+  DescribeOptions environment;
 };
 
 /// One of a few words; another one is answered with the near miss.
@@ -43,26 +43,43 @@ CLI::Validator OneOf(const std::string& kind, const std::vector<std::string>& wo
       "");
 }
 
-CLI::Validator Task() {
-  return CLI::Validator(
-      [](std::string& word) {
-        try {
-          CanonicalTaskName(word);
-          return std::string();
-        } catch (const std::invalid_argument& error) {
-          return std::string(error.what());
-        }
-      },
-      "");
-}
+/// The environments that a command may name.
+class TaskOption {
+ public:
+  explicit TaskOption(const EnvironmentRegistry& registry) : registry_(registry) {}
 
-const std::string& TaskHelp() {
-  static const std::string help = [] {
-    std::string text = "Task, with or without -v2 or -v3:";
-    for (const std::string& name : TaskNames()) text += " " + name;
+  [[nodiscard]] CLI::Validator Check() const {
+    return CLI::Validator(
+        [&registry = registry_](std::string& word) {
+          try {
+            static_cast<void>(registry.Find(word));
+            return std::string();
+          } catch (const std::invalid_argument& error) {
+            return std::string(error.what());
+          }
+        },
+        "");
+  }
+
+  [[nodiscard]] std::string Help() const {
+    std::string text = "Of these, also by other names:";
+    for (const EnvironmentEntry& entry : registry_.entries()) {
+      text += " " + entry.spec.short_name();
+    }
     return text;
-  }();
-  return help;
+  }
+
+ private:
+  const EnvironmentRegistry& registry_;
+};
+
+void AddEnvironment(CLI::App& app, Typed& typed) {
+  CLI::App* environment = app.add_subcommand(
+      "environment",
+      "Print what an environment is like, in Protobuf text format; without a name "
+      "the names of all");
+  environment->add_option("NAME", typed.environment.name, "Any name of it")->type_name("");
+  environment->footer("Exit status: 0; 2 for a name that is unknown.");
 }
 
 void AddRun(CLI::App& app, Typed& typed) {
@@ -110,10 +127,10 @@ void AddRun(CLI::App& app, Typed& typed) {
       "signal N.");
 }
 
-void AddTrace(CLI::App& app, Typed& typed) {
+void AddTrace(CLI::App& app, const TaskOption& task, Typed& typed) {
   CLI::App* trace = app.add_subcommand(
       "trace", "Print the environment's own numbers for a recorded episode, a CSV row a step");
-  trace->add_option("--task", typed.trace.task, TaskHelp())->required()->check(Task());
+  trace->add_option("--task", typed.trace.task, task.Help())->required()->check(task.Check());
   trace->add_option("--recording", typed.trace.recording, "Recording, .csv or .csv.gz")->required();
   trace
       ->add_option("--mode", typed.trace.mode,
@@ -123,10 +140,12 @@ void AddTrace(CLI::App& app, Typed& typed) {
       ->check(OneOf("mode", {"forced", "free"}));
 }
 
-void AddPlacements(CLI::App& app, Typed& typed) {
+void AddPlacements(CLI::App& app, const TaskOption& task, Typed& typed) {
   CLI::App* placements = app.add_subcommand(
       "placements", "Print placements (rand_vec: object xyz, goal xyz), one CSV row each");
-  placements->add_option("--task", typed.placements.task, TaskHelp())->required()->check(Task());
+  placements->add_option("--task", typed.placements.task, task.Help())
+      ->required()
+      ->check(task.Check());
   placements
       ->add_option("--mode", typed.placements.mode,
                    "random: of training episodes 0, 1, ...; fixed: the one of that seed; mt1: the "
@@ -158,13 +177,14 @@ void AddPlacementsOf(CLI::App& command, std::uint64_t& seed, std::string& placem
       ->capture_default_str();
 }
 
-void AddEvaluate(CLI::App& app, Typed& typed) {
+void AddEvaluate(CLI::App& app, const TaskOption& task, Typed& typed) {
   EvaluateOptions& options = typed.evaluate;
   CLI::App* evaluate = app.add_subcommand(
       "evaluate",
       "Measure a checkpoint's deterministic policy, by default on placements never trained on");
   evaluate->add_option("--checkpoint", options.checkpoint, "Checkpoint file")->required();
-  evaluate->add_option("--task", options.task, TaskHelp() + " [the checkpoint's]")->check(Task());
+  evaluate->add_option("--task", options.task, task.Help() + " [the checkpoint's]")
+      ->check(task.Check());
   evaluate
       ->add_option(
           "--episodes", options.episodes,
@@ -189,7 +209,7 @@ void AddEvaluate(CLI::App& app, Typed& typed) {
       "by signal N.");
 }
 
-void AddRender(CLI::App& app, Typed& typed) {
+void AddRender(CLI::App& app, const TaskOption& task, Typed& typed) {
   RenderOptions& options = typed.render;
   CLI::App* render = app.add_subcommand(
       "render",
@@ -202,7 +222,8 @@ void AddRender(CLI::App& app, Typed& typed) {
   render->add_option("--csv", options.csv,
                      "File for the path's numbers: step, head, hand, gripper, object, reward, "
                      "success; --out is not needed then");
-  render->add_option("--task", options.task, TaskHelp() + " [the checkpoint's]")->check(Task());
+  render->add_option("--task", options.task, task.Help() + " [the checkpoint's]")
+      ->check(task.Check());
   AddPlacementsOf(*render, options.seed, options.placements);
   render->add_option("--episode", options.episode, "Which of evaluate's episodes, from 0")
       ->transform(Number<std::uint64_t>())
@@ -245,17 +266,21 @@ JoinOptions Judge(Typed typed) {
 
 }  // namespace
 
-std::variant<ActorCommand, int> ParseActorCommand(int argc, const char* const* argv) {
-  CLI::App app("Plays Meta-World episodes for a Metronome learner, or looks at them.", kProgram);
+std::variant<ActorCommand, int> ParseActorCommand(int argc, const char* const* argv,
+                                                  const EnvironmentRegistry& registry) {
+  CLI::App app("Plays episodes for a Metronome learner, or looks at them.", kProgram);
   app.set_version_flag("--version", ProjectVersion() + " (" + EngineName() + ")");
   app.footer("metronome-actor COMMAND --help says more of a command.");
   Typed typed;
+  const TaskOption task(registry);
   AddRun(app, typed);
-  AddTrace(app, typed);
-  AddPlacements(app, typed);
-  AddEvaluate(app, typed);
-  AddRender(app, typed);
+  AddEnvironment(app, typed);
+  AddTrace(app, task, typed);
+  AddPlacements(app, task, typed);
+  AddEvaluate(app, task, typed);
+  AddRender(app, task, typed);
   if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
+  if (app.got_subcommand("environment")) return ActorCommand(typed.environment);
   if (app.got_subcommand("trace")) return ActorCommand(typed.trace);
   if (app.got_subcommand("placements")) return ActorCommand(typed.placements);
   if (app.got_subcommand("evaluate")) return ActorCommand(typed.evaluate);

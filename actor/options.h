@@ -5,9 +5,10 @@
 #include <string>
 #include <variant>
 
+#include "actor/environment/registry.h"
 #include "actor/play/evaluate.h"
-#include "actor/play/placements.h"
 #include "actor/render/render.h"
+#include "actor/replay/placements.h"
 #include "actor/replay/trace.h"
 #include "common/messages/bus_options.h"
 #include "common/process/logging.h"
@@ -23,11 +24,17 @@ struct JoinOptions {
   LogOptions log;
 };
 
-using ActorCommand =
-    std::variant<JoinOptions, TraceOptions, PlacementsOptions, EvaluateOptions, RenderOptions>;
+/// `metronome-actor environment`.
+struct DescribeOptions {
+  std::string name;  // empty: all names
+};
 
-/// The command line of metronome-actor. Prints help and complaints itself.
+using ActorCommand = std::variant<JoinOptions, DescribeOptions, TraceOptions, PlacementsOptions,
+                                  EvaluateOptions, RenderOptions>;
+
+/// The command line of an actor program with these environments. Prints help and complaints itself.
 /// @return the command, or the exit status: 0 (help), 2 (usage).
-std::variant<ActorCommand, int> ParseActorCommand(int argc, const char* const* argv);
+std::variant<ActorCommand, int> ParseActorCommand(int argc, const char* const* argv,
+                                                  const EnvironmentRegistry& registry);
 
 }  // namespace metronome

@@ -9,7 +9,6 @@
 
 #include "common/checkpoint/checkpoint.h"
 #include "common/config/config.h"
-#include "common/config/task_names.h"
 #include "common/process/build_info.h"
 #include "common/process/files.h"
 #include "common/process/logging.h"
@@ -33,7 +32,8 @@ struct FieldOption {
 };
 
 constexpr FieldOption kFieldOptions[] = {
-    {"--task", "environment.task", "T", "Meta-World task, also as T-v2 or T-v3: "},
+    {"--task", "environment.task", "T",
+     "What to learn; `metronome-actor environment` lists what there is"},
     {"--method", "policy.method", "M",
      "multihead (k heads, time picks one), single (one head), single-time (one head that sees the "
      "time); ppo and ppo-time are other names of the latter two"},
@@ -44,7 +44,9 @@ constexpr FieldOption kFieldOptions[] = {
     {"--from", "policy.initial_weights", "CHECKPOINT",
      "Begin a new run with this checkpoint's weights and observation statistics: of the same "
      "method, heads and sizes [default: none]"},
-    {"--horizon", "environment.horizon", "T", "Steps an episode, at most 500"},
+    {"--horizon", "environment.horizon", "T",
+     "Steps after which an episode ends at the latest [default: the environment's longest "
+     "episode]"},
     {"--placements", "environment.placements", "P",
      "Of object and goal: random (each episode its own), fixed (one, by seed), mt1 (the official "
      "50)"},
@@ -98,8 +100,7 @@ std::string DefaultText(const std::string& wanted) {
 
 std::string HelpOf(const FieldOption& option) {
   std::string help = option.help;
-  if (option.path == std::string("environment.task")) return help + JoinNames(TaskNames());
-  if (help.ends_with("]")) return help;
+  if (help.ends_with("]") || option.path == std::string("environment.task")) return help;
   return help + " [default: " + DefaultText(option.path) + "]";
 }
 
@@ -184,15 +185,15 @@ std::string FieldValue(const FieldOption& option, const std::string& text) {
   throw ConfigError("--goal: " + UnknownName("value", text, {"visible", "hidden"}));
 }
 
-RunConfig BuildConfig(ConfigDraft draft, const CLI::App& command,
-                      const ConfigArguments& arguments) {
+RunConfig BuildConfig(ConfigDraft draft, const CLI::App& command, const ConfigArguments& arguments,
+                      const SpecSource& specs) {
   if (!arguments.file.empty()) draft.ReadFile(arguments.file);
   for (const std::string& setting : arguments.settings) draft.SetFromArgument(setting);
   for (const FieldOption& option : kFieldOptions) {
     if (command.get_option(option.name)->count() == 0) continue;
     draft.Set(option.path, FieldValue(option, arguments.fields.at(option.name)), option.name);
   }
-  RunConfig config = draft.Finish();
+  RunConfig config = draft.Finish(specs);
   std::string& weights = *config.mutable_policy()->mutable_initial_weights();
   if (!weights.empty()) weights = fs::absolute(weights).lexically_normal().string();
   return config;
@@ -227,7 +228,7 @@ std::optional<RunConfig> ConfigOfFile(const std::string& path) {
   const bool whole = text.ends_with('\n') && text.find("\ntotal_steps:") != std::string::npos;
   if (!whole) return std::nullopt;
   try {
-    return Resolve(ParseConfigText(text, path).config);
+    return ParseConfigText(text, path).config;
   } catch (const ConfigError& error) {
     throw ConfigError(std::string(error.what()) +
                       " (without the file, --resume takes the newest checkpoint's configuration)");
@@ -235,14 +236,15 @@ std::optional<RunConfig> ConfigOfFile(const std::string& path) {
 }
 
 /// The run's own configuration: its file's, or its newest checkpoint's. @throws ConfigError.
-RunConfig OwnConfig(const std::string& folder, std::vector<std::string>& warnings) {
+RunConfig OwnConfig(const std::string& folder, const SpecSource& specs,
+                    std::vector<std::string>& warnings) {
   const std::string path = ConfigPathOf(folder);
   if (auto config = ConfigOfFile(path)) return *config;
   const std::string damage = path + (fs::exists(path) ? " is not whole" : " is missing");
   try {
-    if (const auto found = FindNewestCheckpoint(folder + "/checkpoints")) {
+    if (const auto found = FindNewestCheckpoint(folder + "/checkpoints", specs)) {
       warnings.push_back(damage + ": it is made anew from " + found->path);
-      return Resolve(found->checkpoint.config);
+      return found->checkpoint.config;
     }
   } catch (const CheckpointError& error) {
     throw ConfigError(damage + ", and " + error.what());
@@ -256,8 +258,10 @@ RunConfig OwnConfig(const std::string& folder, std::vector<std::string>& warning
 
 RunConfig ResumedConfig(const RunArguments& run, const CLI::App& command,
                         const ConfigArguments& arguments, RunOptions& options) {
-  const RunConfig old_config = OwnConfig(options.folder, options.warnings);
-  RunConfig config = BuildConfig(ConfigDraft(old_config), command, arguments);
+  RunConfig old_config = OwnConfig(options.folder, options.specs, options.warnings);
+  CompleteSpec(old_config, options.specs);
+  old_config = Resolve(std::move(old_config));
+  RunConfig config = BuildConfig(ConfigDraft(old_config), command, arguments, options.specs);
   const auto differences = CompareForResume(old_config, config, run.new_total);
   if (differences.empty()) return config;
   std::string message = "cannot resume run " + run.run + " with another configuration:";
@@ -266,12 +270,13 @@ RunConfig ResumedConfig(const RunArguments& run, const CLI::App& command,
 }
 
 RunOptions BuildRun(const RunArguments& run, const CLI::App& command,
-                    const ConfigArguments& arguments) {
+                    const ConfigArguments& arguments, const SpecSource& specs) {
   if (run.run.empty()) throw ConfigError("--run NAME is needed: it names the run's folder");
   CheckRunName(run.run);
   if (run.new_total && !run.resume) throw ConfigError("--new-total is for --resume only");
   RunOptions options;
   options.run = run.run;
+  options.specs = specs;
   options.folder = (fs::path(run.runs_dir) / run.run).string();
   options.resume = run.resume;
   options.progress = ProgressOf(run.progress);
@@ -282,19 +287,22 @@ RunOptions BuildRun(const RunArguments& run, const CLI::App& command,
     options.config = ResumedConfig(run, command, arguments, options);
     return options;
   }
-  options.config = BuildConfig(ConfigDraft(), command, arguments);
+  options.config = BuildConfig(ConfigDraft(), command, arguments, specs);
   if (fs::exists(ConfigPathOf(options.folder)) ||
       fs::exists(fs::path(options.folder) / "checkpoints")) {
     throw ConfigError("run " + run.run + " exists (" + options.folder +
                       "): --resume goes on with it; choose another --run for a new one");
   }
-  if (!options.config.policy().initial_weights().empty()) LoadInitialWeights(options.config);
+  if (!options.config.policy().initial_weights().empty()) {
+    LoadInitialWeights(options.config, specs);
+  }
   return options;
 }
 
 }  // namespace
 
-std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* const* argv) {
+std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* const* argv,
+                                                      const SpecSource& specs) {
   CLI::App app("Learns a task from the episodes of actors (metronome-actor run --run NAME).",
                "metronome-learner");
   app.set_version_flag("--version", BuildIdentity() + ", " + EngineName());
@@ -320,9 +328,9 @@ std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* cons
   if (const auto code = ParseCommandLine(app, argc, argv)) return *code;
   const CLI::App& given = *app.get_subcommands().front();
   try {
-    if (&given == run_command) return BuildRun(run, given, arguments);
+    if (&given == run_command) return BuildRun(run, given, arguments, specs);
     if (&given == config_command) {
-      return PrintConfigOptions{BuildConfig(ConfigDraft(), given, print_arguments)};
+      return PrintConfigOptions{BuildConfig(ConfigDraft(), given, print_arguments, specs)};
     }
     if (&given == status_command) {
       if (status.run.empty()) throw ConfigError("name the RUN to show");

@@ -46,11 +46,13 @@ struct StatusOptions {
 
 using LearnerCommand = std::variant<RunOptions, InspectOptions, PrintConfigOptions, StatusOptions>;
 
+/// @param specs  says what environments are like; handed on in RunOptions.
 /// Reads configuration files and, with --resume, the run's own, or its checkpoint's where that file
 /// is missing or torn. Prints help and errors itself.
 /// @return the command, or the exit status to end with: 0 after help, 2 after a usage error, among
 ///         them a run that exists (without --resume) or does not (with it), and a difference that
 ///         forbids resuming.
-std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* const* argv);
+std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* const* argv,
+                                                      const SpecSource& specs);
 
 }  // namespace metronome

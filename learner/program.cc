@@ -11,6 +11,7 @@
 #include "common/policy/network.h"
 #include "common/process/exit_codes.h"
 #include "common/process/ignored_signals.h"
+#include "learner/actor_program.h"
 #include "learner/options.h"
 #include "learner/record/inspect.h"
 #include "learner/serve.h"
@@ -34,7 +35,7 @@ int Execute(const StatusOptions& options, const Algorithms& /*algorithms*/) {
 
 int Execute(const InspectOptions& options, const Algorithms& /*algorithms*/) {
   try {
-    const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
+    const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint, AskActorProgram());
     (options.json ? PrintCheckpointJson : PrintCheckpoint)(checkpoint, std::cout);
     RequireWritten();
     return kExitFinished;
@@ -55,7 +56,7 @@ int Execute(const PrintConfigOptions& options, const Algorithms& /*algorithms*/)
 }
 
 int Execute(int argc, char** argv, const Algorithms& algorithms) {
-  const auto parsed = ParseLearnerCommand(argc, argv);
+  const auto parsed = ParseLearnerCommand(argc, argv, AskActorProgram());
   if (const int* status = std::get_if<int>(&parsed)) return *status;
   return std::visit([&](const auto& command) { return Execute(command, algorithms); },
                     std::get<LearnerCommand>(parsed));

@@ -74,14 +74,28 @@ BusOptions BusOptionsOf(const RunOptions& options) {
   return bus;
 }
 
-std::uint64_t StepsPerUpdate(const RunConfig& config) {
-  return static_cast<std::uint64_t>(config.collection().episodes_per_update()) *
-         static_cast<std::uint64_t>(config.environment().horizon());
+std::uint64_t DividedUp(std::uint64_t number, std::uint64_t by) {
+  return number / by + (number % by == 0 ? 0 : 1);
 }
 
-std::uint64_t UpdatesTotal(const RunConfig& config) {
-  const std::uint64_t steps = StepsPerUpdate(config);
-  return config.total_steps() / steps + (config.total_steps() % steps == 0 ? 0 : 1);
+/// Of whole updates, if none of their episodes ends early.
+RunLength LengthOf(const RunConfig& config) {
+  const auto steps_per_update =
+      static_cast<std::uint64_t>(config.collection().episodes_per_update()) *
+      static_cast<std::uint64_t>(config.environment().horizon());
+  RunLength length;
+  length.varies = config.environment().spec().may_end_early();
+  length.updates = DividedUp(config.total_steps(), steps_per_update);
+  length.total_steps = length.varies ? config.total_steps() : length.updates * steps_per_update;
+  return length;
+}
+
+/// Updates that reach the total if each episode has a single step.
+std::uint64_t MostUpdates(const RunConfig& config) {
+  const RunLength length = LengthOf(config);
+  if (!length.varies) return length.updates;
+  return DividedUp(config.total_steps(),
+                   static_cast<std::uint64_t>(config.collection().episodes_per_update()));
 }
 
 /// What actors give for --network. Over TCP it is what the learner is given; peers that are found
@@ -106,12 +120,13 @@ CoordinatorSetup SetupOf(const RunOptions& options, const RunStart& start) {
   setup.rules.overlap = static_cast<std::uint64_t>(config.collection().overlap());
   setup.canonical_digest = start.checkpoint.state.canonical_digest;
   setup.rules.first_version = start.checkpoint.state.version;
-  setup.rules.updates_total = std::max(UpdatesTotal(config), setup.rules.first_version);
+  setup.rules.updates_total = std::max(MostUpdates(config), setup.rules.first_version);
+  setup.total_steps = config.total_steps();
   setup.audit = {config.runtime().audit_share(), RandomId()};
   setup.status.task = config.environment().task();
   setup.status.host = HostName();
   setup.status.pid = static_cast<std::uint32_t>(getpid());
-  setup.status.total_steps = setup.rules.updates_total * StepsPerUpdate(config);
+  setup.status.length = LengthOf(config);
   setup.seconds_before = start.checkpoint.logs.wall_seconds;
   setup.checkpoint_every = static_cast<std::uint64_t>(config.runtime().checkpoint_every());
   setup.milestone_every = static_cast<std::uint64_t>(config.runtime().milestone_every());
@@ -148,8 +163,7 @@ RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
   facts.run = options.run;
   facts.path = options.folder;
   facts.incarnation = setup.description.incarnation;
-  facts.updates_total = setup.rules.updates_total;
-  facts.total_steps = setup.rules.updates_total * StepsPerUpdate(options.config);
+  facts.length = setup.status.length;
   facts.domain = options.config.runtime().domain();
   facts.transport = options.config.runtime().transport();
   facts.network = options.config.runtime().network();

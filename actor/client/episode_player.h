@@ -31,11 +31,8 @@ struct RunSetup {
   std::vector<std::unique_ptr<EpisodePlayer>> players;  // one a slot
 };
 
-/// Makes `slots` players for a run (seconds: scenes are loaded). @throws what making them throws.
+/// Makes `slots` players for a run (seconds: scenes may be loaded). @throws what making them
+/// throws.
 using SetUpRun = std::function<RunSetup(const RunConfig& config, int slots)>;
-
-/// The real one: Meta-World environments of the run's task, and the digest of its canonical
-/// episode.
-RunSetup SetUpMetaworldRun(const RunConfig& config, int slots);
 
 }  // namespace metronome

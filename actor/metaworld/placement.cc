@@ -53,4 +53,13 @@ std::vector<RandVec> Mt1Placements(const TaskSpec& task, std::uint32_t seed) {
   return placements;
 }
 
+RandVec StartPlacement(const TaskSpec& task, Placements placements, EpisodeStart& start) {
+  if (placements != PLACEMENTS_MT1) return DrawPlacement(task, start.random);
+  const std::vector<RandVec> official =
+      Mt1Placements(task, static_cast<std::uint32_t>(start.key.seed));
+  return official.at(start.key.purpose == RandomPurpose::kTrain
+                         ? start.random.Below(official.size())
+                         : start.key.number % official.size());
+}
+
 }  // namespace metronome::metaworld

@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "actor/metaworld/environment.h"
+#include "actor/environment/episode_start.h"
+#include "actor/metaworld/step_result.h"
 #include "actor/metaworld/task_spec.h"
 #include "common/numbers/random.h"
+#include "common/schema/config.pb.h"
 
 /// Where an episode starts: object and goal. Pure functions.
 namespace metronome::metaworld {
@@ -20,5 +22,9 @@ RandVec DrawPlacement(const TaskSpec& task, RandomStream& stream);
 /// package draws them with numpy's legacy generator: two draws (each with rejection) a reset, of
 /// which the second is kept.
 std::vector<RandVec> Mt1Placements(const TaskSpec& task, std::uint32_t seed);
+
+/// The placement that an episode starts at. With PLACEMENTS_MT1 one of the official 50 of the key's
+/// seed: of a training episode drawn, of evaluations one after the other.
+RandVec StartPlacement(const TaskSpec& task, Placements placements, EpisodeStart& start);
 
 }  // namespace metronome::metaworld

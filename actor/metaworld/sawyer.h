@@ -8,13 +8,12 @@
 
 #include "actor/metaworld/engine/control_step.h"
 #include "actor/metaworld/engine/engine.h"
-#include "actor/metaworld/environment.h"
 #include "actor/metaworld/reward_terms.h"
+#include "actor/metaworld/step_result.h"
 #include "actor/metaworld/task_spec.h"
 
 namespace metronome::metaworld {
 
-inline constexpr int kMaxSteps = 500;  // the official time limit
 inline constexpr int kFrameSize = 18;  // hand 3, gripper 1, object 3 + 4, a second object's 7 zeros
 
 /// What makes a task's robot: everything else about it is the same in all scenes.
@@ -52,11 +51,20 @@ struct RecordedState {
 
 /// The Sawyer arm that all Meta-World scenes share: mocap action, observation, clip, time limit and
 /// the order of a reset (reference spec sections 1 to 4). A task derives from it and says where its
-/// object is, how it is placed and what is rewarded. Not thread-safe; one per thread.
-class SawyerEnvironment : public Environment {
+/// object is, how it is placed and what is rewarded. An episode is a pure function of the placement
+/// and the actions: no state of an earlier episode survives Reset. Not thread-safe; one per thread.
+class SawyerEnvironment {
  public:
-  Observation Reset(const RandVec& placement) final;
-  StepResult Step(const Action& action) final;
+  virtual ~SawyerEnvironment() = default;
+  SawyerEnvironment(const SawyerEnvironment&) = delete;
+  SawyerEnvironment& operator=(const SawyerEnvironment&) = delete;
+
+  /// Starts an episode at `placement`, which rules it wholly (the official package's frozen
+  /// rand_vec semantics). @return the first observation, unclipped as the official one is.
+  Observation Reset(const RandVec& placement);
+  /// Five physics substeps under `action`. @throws std::logic_error past step 500 or before Reset,
+  /// std::invalid_argument if a component is not finite.
+  StepResult Step(const Action& action);
 
   /// As Reset, but never from the shared state after hand initialisation: for tests of it.
   Observation ResetAfresh(const RandVec& placement);

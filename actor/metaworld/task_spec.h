@@ -3,7 +3,8 @@
 #include <memory>
 #include <string>
 
-#include "actor/metaworld/environment.h"
+#include "actor/environment/mujoco_view.h"
+#include "actor/metaworld/step_result.h"
 
 namespace metronome::metaworld {
 
@@ -18,6 +19,7 @@ struct TaskSpec {
   /// A placement whose planar distance between object and goal is below this is drawn again,
   /// metres; 0: every placement is taken.
   double min_planar_distance;
+  CameraView view;  // of pictures: shows arm, object and goal
   std::unique_ptr<SawyerEnvironment> (*make)(const TaskSpec&, const EnvironmentOptions&);
 };
 

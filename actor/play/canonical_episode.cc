@@ -8,9 +8,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "actor/metaworld/placement.h"
-#include "actor/metaworld/sawyer.h"
-#include "actor/metaworld/tasks/task_table.h"
 #include "common/config/config.h"
 #include "common/numbers/random.h"
 #include "common/policy/head_schedule.h"
@@ -70,34 +67,46 @@ void AddElementary(Digest& digest) {
   }
 }
 
-void AddEpisode(Digest& digest, const std::string& task, const std::string& assets) {
-  const auto environment =
-      metaworld::MakeEnvironment(task, {.goal_visible = true, .assets = assets});
-  RandomStream stream(RandomPurpose::kEvaluate, kSeed, kNumber, kPlacementDraw);
-  const auto add = [&digest](const metaworld::Observation& observation) {
-    for (const double number : observation) digest.Add(static_cast<float>(number));
+void AddEpisode(Digest& digest, const EnvironmentRegistry& registry,
+                const EnvironmentConfig& config) {
+  const EnvironmentSpec& spec = config.spec();
+  const auto environment = registry.Make(config);
+  std::vector<float> observation(std::size_t(spec.observation_size()));
+  std::vector<float> action(std::size_t(spec.action_size()));
+  const auto add_observation = [&] {
+    for (const float number : observation) digest.Add(number);
   };
-  add(environment->Reset(metaworld::DrawPlacement(metaworld::FindTask(task), stream)));
+  EpisodeStart start({RandomPurpose::kEvaluate, kSeed, kNumber});
+  const auto reset = [&] {
+    environment->Reset(start, observation);
+    add_observation();
+  };
+  reset();
   for (int t = 0; t < kSteps; ++t) {
-    metaworld::Action action{};
-    for (float& component : action) component = static_cast<float>(2 * stream.Uniform() - 1);
-    const metaworld::StepResult result = environment->Step(action);
-    add(result.observation);
-    digest.Add(static_cast<float>(result.reward));
+    for (int i = 0; i < spec.action_size(); ++i) {
+      const double low = spec.action_low(i);
+      action[std::size_t(i)] =
+          static_cast<float>(low + (spec.action_high(i) - low) * start.random.Uniform());
+    }
+    const StepOutcome step = environment->Step(action, observation);
+    add_observation();
+    digest.Add(static_cast<float>(step.reward));
+    if (step.terminated || step.truncated) reset();
   }
 }
 
-std::string EnvironmentDigest(const std::string& task, const std::string& assets) {
+std::string EnvironmentDigest(const EnvironmentRegistry& registry,
+                              const EnvironmentConfig& config) {
   Digest digest;
   AddElementary(digest);
-  AddEpisode(digest, task, assets);
+  AddEpisode(digest, registry, config);
   return digest.Hex();
 }
 
 /// Not the run's own: what matters is written out, so that no new default changes the digest.
-RunConfig PolicyConfiguration() {
+RunConfig PolicyConfiguration(const EnvironmentConfig& environment) {
   RunConfig config;
-  config.mutable_environment()->set_task("push");
+  *config.mutable_environment() = environment;
   config.mutable_environment()->set_horizon(kSteps);
   auto& policy = *config.mutable_policy();
   policy.set_method(MULTIHEAD);
@@ -109,8 +118,10 @@ RunConfig PolicyConfiguration() {
   return Resolve(config);
 }
 
-std::string PolicyDigest() {
-  const RunConfig config = PolicyConfiguration();
+std::string PolicyDigest(const EnvironmentConfig& environment) {
+  const RunConfig config = PolicyConfiguration(environment);
+  const NetworkShape shape = ShapeOf(config);
+  const auto observations = std::size_t(shape.observation);
   RandomStream stream(RandomPurpose::kEvaluate, kSeed, kNumber, 2);
   const auto uniform = [&stream](std::size_t count, double bound) {
     std::vector<float> numbers(count);
@@ -118,19 +129,20 @@ std::string PolicyDigest() {
     return numbers;
   };
   PolicySnapshot snapshot;
-  snapshot.parameters = uniform(ActorLayout(ShapeOf(config)).size, 0.25);
-  snapshot.observation_mean = uniform(kObservationSize, 1);
-  snapshot.observation_inv_std = uniform(kObservationSize, 4);
+  snapshot.parameters = uniform(ActorLayout(shape).size, 0.25);
+  snapshot.observation_mean = uniform(observations, 1);
+  snapshot.observation_inv_std = uniform(observations, 4);
   Policy policy(config, snapshot);
   const HeadSchedule schedule(config, TrainingEpisode(config, 0));
   Digest digest;
   for (std::int32_t t = 0; t < kSteps; ++t) {
-    const std::vector<float> observation = uniform(kObservationSize, 2);
-    std::array<float, kActionSize> noise{};
-    for (float& number : noise) number = float(stream.Normal());
+    const std::vector<float> observation = uniform(observations, 2);
+    Policy::Action noise{};
+    for (std::int32_t i = 0; i < shape.action; ++i) noise[i] = float(stream.Normal());
     const Policy::Decision decision = policy.Act(schedule, observation.data(), t, noise);
-    for (const float number : decision.mean) digest.Add(number);
-    for (const float number : decision.action) digest.Add(number);
+    for (const auto& numbers : {decision.mean, decision.action}) {
+      for (std::int32_t i = 0; i < shape.action; ++i) digest.Add(numbers[i]);
+    }
     digest.Add(decision.log_prob);
   }
   return digest.Hex();
@@ -138,8 +150,11 @@ std::string PolicyDigest() {
 
 }  // namespace
 
-std::string CanonicalDigest(const std::string& task, const std::string& assets) {
-  return EnvironmentDigest(task, assets) + PolicyDigest();
+std::string CanonicalDigest(const EnvironmentRegistry& registry, const std::string& task) {
+  EnvironmentConfig config;  // its defaults: random placements, the goal visible
+  *config.mutable_spec() = registry.Describe(task);
+  config.set_task(config.spec().short_name());
+  return EnvironmentDigest(registry, config) + PolicyDigest(config);
 }
 
 }  // namespace metronome

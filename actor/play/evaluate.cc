@@ -1,23 +1,19 @@
 #include "actor/play/evaluate.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <exception>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <span>
 #include <stdexcept>
 #include <thread>
 
-#include "actor/metaworld/assets.h"
-#include "actor/metaworld/placement.h"
-#include "actor/metaworld/tasks/task_table.h"
-#include "actor/play/rollout.h"
 #include "actor/play/training_differences.h"
 #include "common/config/config_fields.h"
-#include "common/numbers/random.h"
+#include "common/policy/network.h"
 #include "common/policy/policy.h"
 #include "common/process/build_info.h"
 #include "common/process/cpu_count.h"
@@ -29,30 +25,24 @@ namespace {
 
 constexpr std::int32_t kEpisodes = 50;
 
-using Float39 = std::array<float, kObservationSize>;
-
-Float39 AsPolicySees(const metaworld::Observation& observation) {
-  Float39 result{};
-  std::transform(observation.begin(), observation.end(), result.begin(),
-                 [](double value) { return static_cast<float>(value); });
-  return result;
-}
-
 void Summarise(Evaluation& evaluation) {
   const auto count = static_cast<double>(evaluation.episodes.size());
   std::int64_t successes = 0;
   std::int64_t successes_end = 0;
   std::int64_t steps = 0;
+  std::int64_t length = 0;
   double returns = 0;
   for (const EvaluatedEpisode& episode : evaluation.episodes) {
     successes += episode.success ? 1 : 0;
     successes_end += episode.success_end ? 1 : 0;
     steps += episode.steps_to_success;
+    length += episode.length;
     returns += episode.episode_return;
   }
   evaluation.success = static_cast<double>(successes) / count;
   evaluation.success_end = static_cast<double>(successes_end) / count;
   evaluation.mean_return = returns / count;
+  evaluation.mean_length = static_cast<double>(length) / count;
   if (successes > 0) {
     evaluation.time_to_success = static_cast<double>(steps) / static_cast<double>(successes);
   }
@@ -60,9 +50,10 @@ void Summarise(Evaluation& evaluation) {
                  evaluation.success_low, evaluation.success_high);
 }
 
-std::int32_t EpisodesOf(const EvaluateOptions& options, const RunConfig& config) {
+std::int32_t EpisodesOf(const EvaluateOptions& options, const RunConfig& config,
+                        const EnvironmentRegistry& registry) {
   return options.episodes.value_or(
-      std::min(kEpisodes, DifferentEpisodes(options, config).value_or(kEpisodes)));
+      std::min(kEpisodes, DifferentEpisodes(options, config, registry).value_or(kEpisodes)));
 }
 
 std::int32_t ThreadsFor(const EvaluateOptions& options, std::size_t episodes) {
@@ -73,13 +64,9 @@ std::int32_t ThreadsFor(const EvaluateOptions& options, std::size_t episodes) {
 // Shares the episodes out over threads; each result goes to its own place. What would be the same
 // again is not played again.
 Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
-                   const PolicySnapshot& snapshot) {
-  metaworld::EnvironmentOptions environment_options;
-  environment_options.goal_visible = config.environment().goal_visible();
-  environment_options.assets =
-      options.assets.empty() ? metaworld::DefaultAssetsPath() : options.assets;
-  const std::int32_t asked = EpisodesOf(options, config);
-  const std::int32_t different = DifferentEpisodes(options, config).value_or(asked);
+                   const PolicySnapshot& snapshot, const EnvironmentRegistry& registry) {
+  const std::int32_t asked = EpisodesOf(options, config, registry);
+  const std::int32_t different = DifferentEpisodes(options, config, registry).value_or(asked);
   Evaluation evaluation;
   evaluation.episodes.resize(static_cast<std::size_t>(std::min(asked, different)));
   std::atomic<std::size_t> next{0};
@@ -87,12 +74,11 @@ Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
   std::mutex failure_mutex;
   const auto work = [&](std::size_t /*thread*/) {
     try {
-      const auto environment =
-          metaworld::MakeEnvironment(config.environment().task(), environment_options);
+      const auto environment = registry.Make(config.environment());
       for (std::size_t i = next++; i < evaluation.episodes.size(); i = next++) {
         evaluation.episodes[i] =
             PlayDeterministic(config, snapshot, EvaluationSchedule(options, config, i),
-                              EvaluationPlacement(options, config, i), *environment);
+                              EvaluationStart(options, config, i), *environment);
       }
     } catch (...) {
       const std::lock_guard lock(failure_mutex);
@@ -121,9 +107,10 @@ void RequireOrderFits(const EvaluateOptions& options, const RunConfig& config) {
 }
 
 // The interval counts episodes as if they all differed.
-void WarnOfRepeats(const EvaluateOptions& options, const RunConfig& config, std::ostream& err) {
-  const std::int32_t asked = EpisodesOf(options, config);
-  const std::int32_t different = DifferentEpisodes(options, config).value_or(asked);
+void WarnOfRepeats(const EvaluateOptions& options, const RunConfig& config,
+                   const EnvironmentRegistry& registry, std::ostream& err) {
+  const std::int32_t asked = EpisodesOf(options, config, registry);
+  const std::int32_t different = DifferentEpisodes(options, config, registry).value_or(asked);
   if (asked <= different) return;
   err << "warning: " << options.placements << " placements make " << different
       << (different == 1 ? " episode" : " different episodes") << ", the others of --episodes "
@@ -149,11 +136,16 @@ void PrintJson(const Evaluation& evaluation, const Report& report, std::ostream&
   json["horizon"] = environment.horizon();
   json["goal_visible"] = environment.goal_visible();
   if (!report.options.head_order.empty()) json["head_order"] = report.options.head_order;
-  json["success"] = evaluation.success;
-  json["success_low"] = evaluation.success_low;
-  json["success_high"] = evaluation.success_high;
-  json["success_end"] = evaluation.success_end;
+  // null where the environment has no word for success.
+  const auto success = [&environment](double share) {
+    return environment.spec().has_success() ? nlohmann::ordered_json(share) : nullptr;
+  };
+  json["success"] = success(evaluation.success);
+  json["success_low"] = success(evaluation.success_low);
+  json["success_high"] = success(evaluation.success_high);
+  json["success_end"] = success(evaluation.success_end);
   json["return"] = evaluation.mean_return;
+  json["length"] = evaluation.mean_length;
   json["time_to_success"] = nullptr;
   if (evaluation.time_to_success) json["time_to_success"] = *evaluation.time_to_success;
   json["engine_trained"] = report.checkpoint.engine;
@@ -167,7 +159,8 @@ void PrintText(const Evaluation& evaluation, const Report& report, std::ostream&
   const std::size_t episodes = evaluation.episodes.size();
   out << environment.task() << ", weights version " << report.checkpoint.state.version << " ("
       << report.checkpoint.state.steps << " steps), " << episodes
-      << (episodes == 1 ? " episode" : " episodes") << " of " << environment.horizon()
+      << (episodes == 1 ? " episode" : " episodes") << " of "
+      << (environment.spec().may_end_early() ? "at most " : "") << environment.horizon()
       << " steps, placements " << report.options.placements << ", goal "
       << (environment.goal_visible() ? "visible" : "hidden") << ", mean action, " << EngineName()
       << '\n';
@@ -176,10 +169,15 @@ void PrintText(const Evaluation& evaluation, const Report& report, std::ostream&
     for (const std::uint32_t head : report.options.head_order) out << ' ' << head;
     out << '\n';
   }
-  out << "success      " << evaluation.success << "  (95 % interval " << evaluation.success_low
-      << " to " << evaluation.success_high << ")\n"
-      << "success_end  " << evaluation.success_end << '\n'
-      << "return       " << evaluation.mean_return << '\n';
+  if (environment.spec().has_success()) {
+    out << "success      " << evaluation.success << "  (95 % interval " << evaluation.success_low
+        << " to " << evaluation.success_high << ")\n"
+        << "success_end  " << evaluation.success_end << '\n';
+  }
+  out << "return       " << evaluation.mean_return << '\n';
+  if (environment.spec().may_end_early()) {
+    out << "length       " << evaluation.mean_length << " steps\n";
+  }
   if (evaluation.time_to_success) {
     out << "first success after " << *evaluation.time_to_success << " steps in the mean\n";
   }
@@ -201,12 +199,22 @@ void RequireValid(const EvaluateOptions& options) {
   }
 }
 
-RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const EvaluateOptions& options) {
+RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const EvaluateOptions& options,
+                           const EnvironmentRegistry& registry) {
   RunConfig config = checkpoint.config;
-  if (!options.task.empty()) {
-    config.mutable_environment()->set_task(metaworld::FindTask(options.task).name);
-  }
   SetField(config, "environment.placements", options.placements);
+  if (options.task.empty()) return config;
+  EnvironmentConfig& environment = *config.mutable_environment();
+  *environment.mutable_spec() = registry.Describe(options.task);
+  environment.set_task(environment.spec().short_name());
+  const NetworkShape theirs = ShapeOf(checkpoint.config), ours = ShapeOf(config);
+  if (theirs.observation != ours.observation || theirs.action != ours.action) {
+    throw std::invalid_argument(
+        "--task " + options.task + " has observations of " + std::to_string(ours.observation) +
+        " numbers and actions of " + std::to_string(ours.action) + ", the policy is for " +
+        std::to_string(theirs.observation) + " and " + std::to_string(theirs.action));
+  }
+  environment.set_horizon(std::min(environment.horizon(), environment.spec().max_steps()));
   return config;
 }
 
@@ -226,39 +234,22 @@ void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, do
   high = std::min(1.0, centre + half);
 }
 
-metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const RunConfig& config,
-                                       std::uint64_t index) {
-  const metaworld::TaskSpec& spec = metaworld::FindTask(config.environment().task());
-  switch (config.environment().placements()) {
-    case PLACEMENTS_FIXED:
-      return TrainingPlacement(config, 0);
-    case PLACEMENTS_MT1: {
-      const auto official =
-          metaworld::Mt1Placements(spec, static_cast<std::uint32_t>(options.seed));
-      return official.at(index % official.size());
-    }
-    case PLACEMENTS_RANDOM:
-      break;
-  }
-  RandomStream stream(RandomPurpose::kEvaluate, options.seed, index, kPlacementDraw);
-  return metaworld::DrawPlacement(spec, stream);
+EpisodeStart EvaluationStart(const EvaluateOptions& options, const RunConfig& config,
+                             std::uint64_t index) {
+  if (config.environment().placements() == PLACEMENTS_FIXED) return TrainingStart(config, 0);
+  return EpisodeStart({RandomPurpose::kEvaluate, options.seed, index});
 }
 
 std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
-                                              const RunConfig& config) {
+                                              const RunConfig& config,
+                                              const EnvironmentRegistry& registry) {
   const PolicyConfig& policy = config.policy();
   if (policy.schedule() == SCHEDULE_SHUFFLED && policy.heads() > 1 && options.head_order.empty()) {
     return std::nullopt;
   }
-  switch (config.environment().placements()) {
-    case PLACEMENTS_FIXED:
-      return 1;
-    case PLACEMENTS_MT1:
-      return metaworld::kMt1Placements;
-    case PLACEMENTS_RANDOM:
-      break;
-  }
-  return std::nullopt;
+  if (config.environment().placements() == PLACEMENTS_FIXED) return 1;
+  const auto& different_starts = registry.Find(config.environment().task()).different_starts;
+  return different_starts ? different_starts(config.environment()) : std::nullopt;
 }
 
 HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
@@ -268,33 +259,35 @@ HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig&
 }
 
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
-                                   const HeadSchedule& schedule,
-                                   const metaworld::RandVec& placement,
-                                   metaworld::Environment& environment, const StepWatcher& watch) {
+                                   const HeadSchedule& schedule, EpisodeStart start,
+                                   Environment& environment, const StepWatcher& watch) {
   Policy policy(config, snapshot);
   EvaluatedEpisode result;
-  metaworld::StepResult start;
-  start.observation = environment.Reset(placement);
-  if (watch) watch(0, start);
-  Float39 observation = AsPolicySees(start.observation);
-  for (std::int32_t t = 0; t < schedule.horizon(); ++t) {
-    const metaworld::StepResult step =
-        environment.Step(policy.Mean(schedule, observation.data(), t));
-    if (watch) watch(t + 1, step);
-    observation = AsPolicySees(step.observation);
+  std::vector<float> observation(std::size_t(config.environment().spec().observation_size()));
+  const auto actions = std::size_t(config.environment().spec().action_size());
+  environment.Reset(start, observation);
+  if (watch) watch(0, {});
+  for (bool ended = false; !ended;) {
+    const Policy::Action action = policy.Mean(schedule, observation.data(), result.length);
+    const StepOutcome step = environment.Step(std::span(action).first(actions), observation);
+    ++result.length;
+    if (watch) watch(result.length, step);
     result.episode_return += step.reward;
-    result.success_end = step.info.success;
-    if (step.info.success && !result.success) result.steps_to_success = t + 1;
-    result.success = result.success || step.info.success;
+    result.success_end = step.success;
+    if (step.success && !result.success) result.steps_to_success = result.length;
+    result.success = result.success || step.success;
+    ended = step.terminated || step.truncated || result.length == schedule.horizon();
   }
   return result;
 }
 
-int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream& err) {
+int RunEvaluate(const EvaluateOptions& options, const EnvironmentRegistry& registry,
+                std::ostream& out, std::ostream& err) {
   try {
     RequireValid(options);
-    const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
-    const RunConfig config = ConfigToEvaluate(checkpoint, options);
+    const Checkpoint checkpoint = LoadCheckpoint(
+        options.checkpoint, [&registry](const auto& name) { return registry.Describe(name); });
+    const RunConfig config = ConfigToEvaluate(checkpoint, options, registry);
     RequireOrderFits(options, config);
     if (const auto many = TooManyThreads(options.threads, "--threads")) {
       err << "warning: " << *many << '\n';
@@ -302,8 +295,8 @@ int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream&
     const Report report{checkpoint, options, config,
                         DifferencesFromTraining(checkpoint, options, config)};
     Warn(report.differences, err);
-    WarnOfRepeats(options, config, err);
-    const Evaluation evaluation = PlayAll(options, config, checkpoint.state.policy);
+    WarnOfRepeats(options, config, registry, err);
+    const Evaluation evaluation = PlayAll(options, config, checkpoint.state.policy, registry);
     if (options.json) {
       PrintJson(evaluation, report, out);
     } else {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "actor/metaworld/environment.h"
+#include "actor/environment/registry.h"
 #include "common/checkpoint/checkpoint.h"
 #include "common/messages/messages.h"
 #include "common/policy/head_schedule.h"
@@ -24,7 +24,6 @@ struct EvaluateOptions {
   std::vector<std::uint32_t> head_order;  // [k], who acts in each block; empty: as in training
   bool json = false;
   std::int32_t threads = 0;  // 0: all cores; never changes the result
-  std::string assets;        // folder of the scene files; empty: the default
 };
 
 /// One episode under the deterministic policy.
@@ -32,6 +31,7 @@ struct EvaluatedEpisode {
   bool success = false;               // at any step
   bool success_end = false;           // at the last step
   std::int32_t steps_to_success = 0;  // steps taken when it first succeeded; 0 if it never did
+  std::int32_t length = 0;            // steps
   double episode_return = 0;
 };
 
@@ -42,6 +42,7 @@ struct Evaluation {
   double success_high = 0;
   double success_end = 0;
   double mean_return = 0;
+  double mean_length = 0;  // steps
   /// Mean of steps_to_success over the episodes that succeeded; none if none did.
   std::optional<double> time_to_success;
 };
@@ -50,8 +51,10 @@ struct Evaluation {
 void RequireValid(const EvaluateOptions& options);
 
 /// The configuration that evaluation episodes are played with: the checkpoint's, with the task and
-/// the placements of `options`.
-RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const EvaluateOptions& options);
+/// the placements of `options`. @throws std::invalid_argument for an unknown task, and for one
+/// whose observations or actions are of another size than the policy's.
+RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const EvaluateOptions& options,
+                           const EnvironmentRegistry& registry);
 
 /// One line for each difference (training_differences.h).
 void Warn(const std::vector<std::string>& differences, std::ostream& err);
@@ -60,39 +63,38 @@ void Warn(const std::vector<std::string>& differences, std::ostream& err);
 /// (Wilson 1927). @throws std::invalid_argument if trials < 1.
 void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, double& high);
 
-/// Where evaluation episode `index` starts. `random` draws from the evaluation's own streams, which
-/// no training run of any seed uses; `mt1` goes through the official 50 of `seed` in order; `fixed`
-/// is the one of a run with the checkpoint's seed on the task played.
+/// Where evaluation episode `index` starts: in the evaluation's own streams, which no training run
+/// of any seed uses; with fixed placements where training starts.
 /// @param config  from ConfigToEvaluate.
-metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const RunConfig& config,
-                                       std::uint64_t index);
+EpisodeStart EvaluationStart(const EvaluateOptions& options, const RunConfig& config,
+                             std::uint64_t index);
 
 /// How many evaluation episodes differ from each other: those after them are the same again.
 /// std::nullopt: all do. @param config  from ConfigToEvaluate.
 std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
-                                              const RunConfig& config);
+                                              const RunConfig& config,
+                                              const EnvironmentRegistry& registry);
 
 /// Who acts when in evaluation episode `index`: the policy's own schedule, in the evaluation's own
 /// streams, or `options.head_order`. @throws std::invalid_argument if the policy has no such order.
 HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
                                 std::uint64_t index);
 
-/// Called after the reset, with t = 0 and nothing but its observation, and after each step, with
-/// the number t of steps taken so far and what the last of them returned.
-using StepWatcher = std::function<void(std::int32_t t, const metaworld::StepResult& step)>;
+/// Called after the reset, with t = 0 and an empty outcome, and after each step, with the number t
+/// of steps taken so far and what the last of them did.
+using StepWatcher = std::function<void(std::int32_t t, const StepOutcome& step)>;
 
 /// Plays one episode with the mean action at every step.
-/// @param schedule  of the episode: T steps, k heads.
+/// @param schedule  of the episode: at most T steps, k heads.
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
-                                   const HeadSchedule& schedule,
-                                   const metaworld::RandVec& placement,
-                                   metaworld::Environment& environment,
-                                   const StepWatcher& watch = {});
+                                   const HeadSchedule& schedule, EpisodeStart start,
+                                   Environment& environment, const StepWatcher& watch = {});
 
 /// `metronome-actor evaluate`: success rate with its confidence interval and mean return of a
 /// checkpoint's policy. What is otherwise than in training is a warning on `err`, and `differences`
 /// in JSON.
 /// @return exit status: 0; 1 where the checkpoint or the scenes cannot be used, 2 for bad options.
-int RunEvaluate(const EvaluateOptions& options, std::ostream& out, std::ostream& err);
+int RunEvaluate(const EvaluateOptions& options, const EnvironmentRegistry& registry,
+                std::ostream& out, std::ostream& err);
 
 }  // namespace metronome

@@ -3,11 +3,11 @@
 #include <array>
 #include <chrono>
 #include <cstddef>
+#include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
-#include "actor/metaworld/placement.h"
-#include "actor/metaworld/tasks/task_table.h"
-#include "common/numbers/random.h"
 #include "common/policy/action_noise.h"
 #include "common/policy/head_schedule.h"
 #include "common/policy/policy.h"
@@ -16,16 +16,14 @@
 namespace metronome {
 namespace {
 
-void AppendObservation(const metaworld::Observation& observation, Episode& episode) {
-  for (const double value : observation) episode.observation.push_back(static_cast<float>(value));
-}
-
-Episode EmptyEpisode(std::uint64_t number, std::uint64_t version, std::size_t horizon) {
+/// Room for the longest episode, so that no step allocates.
+Episode EmptyEpisode(std::uint64_t number, std::uint64_t version, const EnvironmentConfig& config) {
+  const auto horizon = std::size_t(config.horizon());
   Episode episode;
   episode.number = number;
   episode.weights_version = version;
-  episode.observation.reserve((horizon + 1) * kObservationSize);
-  episode.action.reserve(horizon * kActionSize);
+  episode.observation.reserve((horizon + 1) * std::size_t(config.spec().observation_size()));
+  episode.action.reserve(horizon * std::size_t(config.spec().action_size()));
   episode.log_prob.reserve(horizon);
   episode.reward.reserve(horizon);
   episode.head.reserve(horizon);
@@ -33,15 +31,25 @@ Episode EmptyEpisode(std::uint64_t number, std::uint64_t version, std::size_t ho
   return episode;
 }
 
-void AppendStep(const Policy::Decision& decision, const metaworld::StepResult& step, bool last,
-                Episode& episode) {
-  episode.action.insert(episode.action.end(), decision.action.begin(), decision.action.end());
-  episode.log_prob.push_back(decision.log_prob);
-  episode.reward.push_back(static_cast<float>(step.reward));
-  episode.head.push_back(static_cast<std::uint16_t>(decision.head));
-  const int flags = (step.info.success ? kStepSuccess : 0) | (last ? kStepTruncated : 0);
-  episode.flags.push_back(static_cast<std::uint8_t>(flags));
-  AppendObservation(step.observation, episode);
+/// One more row of `size` numbers, to be filled.
+std::span<float> NewRow(std::vector<float>& rows, std::size_t size) {
+  rows.resize(rows.size() + size);
+  return std::span(rows).last(size);
+}
+
+/// @param last  the horizon ends the episode here.
+std::uint8_t FlagsOf(const StepOutcome& step, bool last) {
+  const bool truncated = !step.terminated && (step.truncated || last);
+  return static_cast<std::uint8_t>((step.success ? kStepSuccess : 0) |
+                                   (step.terminated ? kStepTerminated : 0) |
+                                   (truncated ? kStepTruncated : 0));
+}
+
+void RequireWhole(const Episode& episode, const EnvironmentConfig& config) {
+  if (config.spec().may_end_early() || episode.length() == config.horizon()) return;
+  throw std::logic_error("environment " + config.task() + " ended an episode after " +
+                         std::to_string(episode.length()) +
+                         " steps, and its specification says that it never does so early");
 }
 
 /// Shares out an episode's CPU time in proportion to the wall-clock time between laps: CPU time
@@ -74,39 +82,39 @@ class Stopwatch {
 
 }  // namespace
 
-metaworld::RandVec TrainingPlacement(const RunConfig& config, std::uint64_t number) {
-  const metaworld::TaskSpec& task = metaworld::FindTask(config.environment().task());
-  const Placements mode = config.environment().placements();
-  const std::uint64_t drawn = mode == PLACEMENTS_FIXED ? 0 : number;
-  RandomStream stream(RandomPurpose::kTrain, config.seed(), drawn, kPlacementDraw);
-  if (mode != PLACEMENTS_MT1) return metaworld::DrawPlacement(task, stream);
-  const std::vector<metaworld::RandVec> official =
-      metaworld::Mt1Placements(task, static_cast<std::uint32_t>(config.seed()));
-  return official.at(stream.Below(official.size()));
-}
-
 std::optional<Episode> PlayEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
-                                   std::uint64_t number, metaworld::Environment& environment,
+                                   std::uint64_t number, Environment& environment,
                                    const std::atomic<bool>& cancel) {
   Stopwatch stopwatch;
   const std::int32_t horizon = config.environment().horizon();
+  const auto observations = std::size_t(config.environment().spec().observation_size());
+  const auto actions = std::size_t(config.environment().spec().action_size());
   Policy policy(config, snapshot);
   const HeadSchedule schedule(config, TrainingEpisode(config, number));
   ActionNoise noise(config, number);
-  Episode episode = EmptyEpisode(number, snapshot.version, static_cast<std::size_t>(horizon));
+  Episode episode = EmptyEpisode(number, snapshot.version, config.environment());
   stopwatch.Lap(CpuUse::kPolicy);
-  AppendObservation(environment.Reset(TrainingPlacement(config, number)), episode);
+  EpisodeStart start = TrainingStart(config, number);
+  environment.Reset(start, NewRow(episode.observation, observations));
   stopwatch.Lap(CpuUse::kReset);
-  for (std::int32_t t = 0; t < horizon; ++t) {
+  bool ended = false;
+  for (std::int32_t t = 0; !ended; ++t) {
     if (cancel.load(std::memory_order_relaxed)) return std::nullopt;
-    const float* observation = episode.observation.data() + std::size_t(t) * kObservationSize;
+    const float* observation = episode.observation.data() + std::size_t(t) * observations;
     const Policy::Decision decision = policy.Act(schedule, observation, t, noise.At(t));
     stopwatch.Lap(CpuUse::kPolicy);
-    const metaworld::StepResult step = environment.Step(decision.action);
+    const std::span action(decision.action.data(), actions);
+    const StepOutcome step = environment.Step(action, NewRow(episode.observation, observations));
     stopwatch.Lap(CpuUse::kPhysics);
-    AppendStep(decision, step, t + 1 == horizon, episode);
+    ended = step.terminated || step.truncated || t + 1 == horizon;
+    episode.action.insert(episode.action.end(), action.begin(), action.end());
+    episode.log_prob.push_back(decision.log_prob);
+    episode.reward.push_back(static_cast<float>(step.reward));
+    episode.head.push_back(static_cast<std::uint16_t>(decision.head));
+    episode.flags.push_back(FlagsOf(step, t + 1 == horizon));
     stopwatch.Lap(CpuUse::kRollout);
   }
+  RequireWhole(episode, config.environment());
   stopwatch.Count();
   return episode;
 }

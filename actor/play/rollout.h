@@ -4,22 +4,21 @@
 #include <cstdint>
 #include <optional>
 
-#include "actor/metaworld/environment.h"
+#include "actor/environment/environment.h"
 #include "common/messages/episode.h"
 #include "common/messages/messages.h"
 #include "common/schema/config.pb.h"
 
 namespace metronome {
 
-/// The placement that episode `number` of a training run starts from: a function of the
-/// environment's configuration, the run seed and the number alone.
-metaworld::RandVec TrainingPlacement(const RunConfig& config, std::uint64_t number);
-
 /// Plays episode `number` under `snapshot`: a pure function of its arguments (`environment` is only
 /// a machine to run it on; nothing of its past enters).
+/// It is whole when the environment ends it, else after the horizon's steps.
+/// @throws std::logic_error if the environment ends it early though its specification says that it
+///         does not.
 /// @param cancel  polled once a step. @return std::nullopt if it became true.
 std::optional<Episode> PlayEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
-                                   std::uint64_t number, metaworld::Environment& environment,
+                                   std::uint64_t number, Environment& environment,
                                    const std::atomic<bool>& cancel);
 
 }  // namespace metronome

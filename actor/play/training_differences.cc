@@ -36,7 +36,8 @@ void AddEnvironment(const RunConfig& trained, const RunConfig& played, Sentences
               [&](const std::string& name, const auto& owner, const auto& field) {
                 const std::string& was = before.at(index++);
                 const std::string is = FieldText(owner, field);
-                if (was == is) return;
+                // What belongs to a task goes without saying.
+                if (was == is || name.starts_with("spec.")) return;
                 std::string sentence =
                     "trained with " + name + " " + was + ", evaluated with " + name + " " + is;
                 if (name == "placements") {

@@ -1,9 +1,7 @@
 #include "actor/render/camera.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -16,26 +14,8 @@ namespace {
 
 constexpr const char* kFree = "free";
 
-/// Where a free camera stands: metres and degrees; azimuth 90 looks away from the robot's base.
-struct View {
-  std::array<double, 3> look_at;
-  double distance, azimuth, elevation;
-};
-
-const View& ViewOf(const std::string& task) {
-  static const View any = {{0, 0.65, 0.1}, 0.9, 140, -25};
-  static const std::map<std::string, View> views = {
-      {"assembly", {{0.02, 0.7, 0.14}, 0.75, 140, -20}},
-      {"bin-picking", {{0, 0.68, 0.1}, 0.85, 115, -30}},
-      {"box-close", {{0, 0.65, 0.12}, 0.85, 150, -25}},
-      {"push", {{0.03, 0.72, 0.14}, 0.75, 140, -20}},
-  };
-  const auto found = views.find(task);
-  return found == views.end() ? any : found->second;
-}
-
 /// "AZIMUTH,ELEVATION,DISTANCE[,X,Y,Z]"; std::nullopt if it is anything else.
-std::optional<View> ParseView(const std::string& text, View view) {
+std::optional<CameraView> ParseView(const std::string& text, CameraView view) {
   std::vector<double> numbers;
   std::istringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
@@ -51,7 +31,7 @@ std::optional<View> ParseView(const std::string& text, View view) {
   return view;
 }
 
-mjvCamera FreeCamera(const View& view) {
+mjvCamera FreeCamera(const CameraView& view) {
   mjvCamera camera;
   mjv_defaultCamera(&camera);
   camera.type = mjCAMERA_FREE;
@@ -73,9 +53,9 @@ std::vector<std::string> CameraNames(const mjModel& model) {
   return names;
 }
 
-mjvCamera FindCamera(const mjModel& model, const std::string& task, const std::string& name) {
-  if (name == kFree) return FreeCamera(ViewOf(task));
-  if (const auto view = ParseView(name, ViewOf(task))) return FreeCamera(*view);
+mjvCamera FindCamera(const mjModel& model, const CameraView& free, const std::string& name) {
+  if (name == kFree) return FreeCamera(free);
+  if (const auto view = ParseView(name, free)) return FreeCamera(*view);
   mjvCamera camera;
   mjv_defaultCamera(&camera);
   camera.type = mjCAMERA_FIXED;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "actor/environment/mujoco_view.h"
 #include "common/text/number_text.h"
 
 namespace metronome {
@@ -16,23 +17,25 @@ Pose PoseOf(const mjModel& model, const mjData& data) {
 }  // namespace
 
 EpisodePath FollowEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
-                          const EpisodeKey& episode, const metaworld::RandVec& placement,
-                          metaworld::SawyerEnvironment& environment) {
+                          const EpisodeKey& episode, const EpisodeStart& start,
+                          Environment& environment) {
+  const MujocoView& scene = *environment.mujoco();
   const HeadSchedule schedule(config, episode);
   EpisodePath path;
   path.heads = schedule.heads();
-  const auto watch = [&](std::int32_t t, const metaworld::StepResult& step) {
+  const auto watch = [&](std::int32_t t, const StepOutcome& step) {
+    const Landmarks landmarks = scene.landmarks();
     PathPoint point;
-    point.pose = PoseOf(environment.model(), environment.data());
-    std::copy_n(step.observation.begin(), 3, point.hand.begin());
-    std::copy_n(step.observation.begin() + 4, 3, point.object.begin());
-    point.gripper = step.observation[3];
+    point.pose = PoseOf(scene.model(), scene.data());
+    point.hand = landmarks.hand;
+    point.object = landmarks.object;
+    point.gripper = landmarks.gripper;
     point.head = schedule.HeadAt(std::max(t - 1, 0));
     point.reward = step.reward;
-    point.success = step.info.success;
+    point.success = step.success;
     path.points.push_back(std::move(point));
   };
-  path.outcome = PlayDeterministic(config, snapshot, schedule, placement, environment, watch);
+  path.outcome = PlayDeterministic(config, snapshot, schedule, start, environment, watch);
   return path;
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "actor/metaworld/sawyer.h"
+#include "actor/environment/environment.h"
 #include "actor/play/evaluate.h"
 #include "common/messages/messages.h"
 #include "common/policy/head_schedule.h"
@@ -23,9 +23,9 @@ struct Pose {
 /// The state after t steps. Head, reward and success are those of the step that led to it.
 struct PathPoint {
   Pose pose;
-  std::array<double, 3> hand{};    // observation[0..2], metres
-  std::array<double, 3> object{};  // observation[4..6], metres
-  double gripper = 0;              // observation[3]: 0 closed, 1 open
+  std::array<double, 3> hand{};    // metres, as all of Landmarks
+  std::array<double, 3> object{};  // metres
+  double gripper = 0;              // 0 closed, 1 open
   std::int32_t head = 0;           // at t = 0, where no step has been: the head of the first one
   double reward = 0;
   bool success = false;
@@ -34,14 +34,15 @@ struct PathPoint {
 /// One episode under the deterministic policy, and where it went.
 struct EpisodePath {
   std::int32_t heads = 1;         // k
-  std::vector<PathPoint> points;  // [T + 1]
+  std::vector<PathPoint> points;  // [steps + 1]
   EvaluatedEpisode outcome;
 };
 
 /// The same episode as `evaluate` plays, looked at after every step; looking changes nothing.
+/// @param episode  whose heads act. @param environment  one in MuJoCo.
 EpisodePath FollowEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
-                          const EpisodeKey& episode, const metaworld::RandVec& placement,
-                          metaworld::SawyerEnvironment& environment);
+                          const EpisodeKey& episode, const EpisodeStart& start,
+                          Environment& environment);
 
 /// CSV with the header
 /// t,head,hand_x,hand_y,hand_z,gripper,object_x,object_y,object_z,reward,success; row t is the

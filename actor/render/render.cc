@@ -7,9 +7,8 @@
 #include <ostream>
 #include <stdexcept>
 
-#include "actor/metaworld/assets.h"
-#include "actor/metaworld/sawyer.h"
-#include "actor/metaworld/tasks/task_table.h"
+#include "actor/environment/mujoco_view.h"
+#include "actor/play/evaluate.h"
 #include "actor/play/training_differences.h"
 #include "actor/render/camera.h"
 #include "actor/render/episode_path.h"
@@ -23,9 +22,8 @@
 namespace metronome {
 namespace {
 
-constexpr int kLeastSide = 160;         // pixels; text and timeline need some room
-constexpr int kMostSide = 4096;         // pixels
-constexpr double kStepsPerSecond = 80;  // control steps of 12.5 ms: real time
+constexpr int kLeastSide = 160;  // pixels; text and timeline need some room
+constexpr int kMostSide = 4096;  // pixels
 
 enum class Medium { kNone, kPicture, kVideo };
 
@@ -78,19 +76,21 @@ void RequireValid(const RenderOptions& options) {
   if (!(options.speed > 0)) throw std::invalid_argument("--speed must be above 0");
 }
 
-std::int32_t PoseAt(const RenderOptions& options, std::int32_t horizon) {
-  const std::int32_t step = options.step.value_or(horizon);
-  if (step < 0 || step > horizon) {
+/// @param last  step of the episode.
+std::int32_t PoseAt(const RenderOptions& options, std::int32_t last) {
+  const std::int32_t step = options.step.value_or(last);
+  if (step < 0 || step > last) {
     throw std::invalid_argument("--step " + std::to_string(step) + ": the episode has steps 0 to " +
-                                std::to_string(horizon));
+                                std::to_string(last));
   }
   return step;
 }
 
-void WriteVideo(const RenderOptions& options, ImageSize size, std::int32_t horizon,
+/// @param rate  steps a second, in real time.
+void WriteVideo(const RenderOptions& options, ImageSize size, double rate, std::int32_t last,
                 EpisodePictures& pictures) {
-  VideoWriter video(options.out, size, kStepsPerSecond * options.speed / options.every);
-  for (std::int32_t t = 0; t <= horizon; t += options.every) video.Add(pictures.Moment(t));
+  VideoWriter video(options.out, size, rate * options.speed / options.every);
+  for (std::int32_t t = 0; t <= last; t += options.every) video.Add(pictures.Moment(t));
   video.Finish();
 }
 
@@ -103,7 +103,8 @@ EvaluateOptions AsEvaluated(const RenderOptions& options) {
   return evaluate;
 }
 
-void Render(const RenderOptions& options, std::ostream& out, std::ostream& err) {
+void Render(const RenderOptions& options, const EnvironmentRegistry& registry, std::ostream& out,
+            std::ostream& err) {
   RequireValid(options);
   const Medium medium = MediumOf(options.out);
   const ImageSize size = SizeOf(options, medium);
@@ -113,24 +114,31 @@ void Render(const RenderOptions& options, std::ostream& out, std::ostream& err) 
   RequireWritable(options.csv);
   if (medium == Medium::kVideo) VideoWriter::RequireEncoder();
 
-  const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint);
-  const RunConfig config = ConfigToEvaluate(checkpoint, evaluate);
+  const Checkpoint checkpoint = LoadCheckpoint(
+      options.checkpoint, [&registry](const auto& name) { return registry.Describe(name); });
+  const RunConfig config = ConfigToEvaluate(checkpoint, evaluate, registry);
   Warn(DifferencesFromTraining(checkpoint, evaluate, config), err);
   const std::string& task = config.environment().task();
-  const std::int32_t horizon = config.environment().horizon();
-  const std::int32_t pose_at = PoseAt(options, horizon);
-  const auto environment = metaworld::MakeSawyerEnvironment(
-      task, {.goal_visible = config.environment().goal_visible(), .assets = options.assets});
-  const mjvCamera camera = FindCamera(environment->model(), task, options.camera);
+  PoseAt(options, config.environment().horizon());
+  const auto environment = registry.Make(config.environment());
+  const MujocoView* scene = environment->mujoco();
+  if (scene == nullptr) {
+    throw std::invalid_argument("environment " + task + " cannot be drawn: it is not in MuJoCo");
+  }
+  const mjvCamera camera = FindCamera(scene->model(), scene->view(), options.camera);
   const EpisodePath path = FollowEpisode(
       config, checkpoint.state.policy, {RandomPurpose::kEvaluate, evaluate.seed, options.episode},
-      EvaluationPlacement(evaluate, config, options.episode), *environment);
+      EvaluationStart(evaluate, config, options.episode), *environment);
+  const std::int32_t last = path.outcome.length;
+  const std::int32_t pose_at = PoseAt(options, last);  // it may have ended early
 
   if (medium != Medium::kNone) {
-    EpisodePictures pictures(environment->model(), camera, path,
+    EpisodePictures pictures(scene->model(), camera, path,
                              {task, size, options.path, ArmOpacity(options, medium)});
     if (medium == Medium::kPicture) WritePng(options.out, pictures.Whole(pose_at));
-    if (medium == Medium::kVideo) WriteVideo(options, size, horizon, pictures);
+    if (medium == Medium::kVideo) {
+      WriteVideo(options, size, scene->steps_per_second(), last, pictures);
+    }
   }
   if (!options.csv.empty()) WriteFileAtomically(options.csv, Csv(path));
   const bool fixed = config.environment().placements() == PLACEMENTS_FIXED;
@@ -157,9 +165,10 @@ ImageSize ParseImageSize(const std::string& text) {
   return {*width, *height};
 }
 
-int RunRender(const RenderOptions& options, std::ostream& out, std::ostream& err) {
+int RunRender(const RenderOptions& options, const EnvironmentRegistry& registry, std::ostream& out,
+              std::ostream& err) {
   try {
-    Render(options, out, err);
+    Render(options, registry, out, err);
     return 0;
   } catch (const std::invalid_argument& error) {
     err << "error: " << error.what() << '\n';

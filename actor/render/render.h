@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "actor/play/evaluate.h"
+#include "actor/environment/registry.h"
 #include "actor/render/image.h"
 
 namespace metronome {
@@ -22,10 +22,9 @@ struct RenderOptions {
   std::string camera = "free";
   bool path = true;                   // draw the hand's path
   std::optional<double> arm_opacity;  // 0 to 1; none: 0.4, videos 1
-  std::optional<std::int32_t> step;   // .png: the pose drawn, in [0, T]; none: the last
+  std::optional<std::int32_t> step;   // .png: the pose drawn, up to the last; none: the last
   std::int32_t every = 2;             // .mp4: a frame every so many steps
   double speed = 1;                   // .mp4: times real time
-  std::string assets;                 // folder of the scene files; empty: the default
 };
 
 /// "WIDTHxHEIGHT" in pixels, each from 160 to 4096.
@@ -37,6 +36,7 @@ ImageSize ParseImageSize(const std::string& text);
 /// line, what is otherwise than in training is a warning on `err`.
 /// @return exit status: 0; 1 where checkpoint, scene, OpenGL, ffmpeg or the files cannot be used; 2
 ///         for bad options. Files are whole or not there.
-int RunRender(const RenderOptions& options, std::ostream& out, std::ostream& err);
+int RunRender(const RenderOptions& options, const EnvironmentRegistry& registry, std::ostream& out,
+              std::ostream& err);
 
 }  // namespace metronome

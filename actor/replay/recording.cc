@@ -144,7 +144,8 @@ class ReturnedColumns {
   }
 
   [[nodiscard]] std::optional<metaworld::StepResult> Read(const Numbers& row) const {
-    if (observation_.size() != kObservationSize || scalars_.size() != 8) return std::nullopt;
+    if (observation_.size() != metaworld::kObservationSize || scalars_.size() != 8)
+      return std::nullopt;
     metaworld::StepResult result;
     const Numbers observation = Pick(row, observation_), scalars = Pick(row, scalars_);
     std::copy(observation.begin(), observation.end(), result.observation.begin());
@@ -166,7 +167,7 @@ std::size_t ReadHeader(std::string_view line, Recording& recording) {
   recording.task = header.at("task").get<std::string>();
   recording.placement = Array<6>(header.at("rand_vec"), "rand_vec");
   recording.start = {
-      .observation = Array<kObservationSize>(header.at("init_obs"), "init_obs"),
+      .observation = Array<metaworld::kObservationSize>(header.at("init_obs"), "init_obs"),
       .goal = Vector(header.at("goal"), "goal"),
       .internals = Internals(header.at("internals_after_reset")),
       .bodies = Positions(header.at("model_body_pos_changed"), "model_body_pos_changed"),
@@ -181,7 +182,7 @@ void ReadSteps(std::istream& lines, std::size_t promised, Recording& recording) 
   const auto qpos = table.Columns("qpos"), qvel = table.Columns("qvel"),
              mocap_pos = table.Columns("mocap_pos"), mocap_quat = table.Columns("mocap_quat"),
              ctrl = table.Columns("ctrl"), warm = table.Columns("warm"),
-             action = table.Columns("action", kActionSize);
+             action = table.Columns("action", metaworld::kActionSize);
   const ReturnedColumns returned(table);
   while (std::getline(lines, line)) {
     const Numbers row = table.Row(line, recording.steps.size() + 1);

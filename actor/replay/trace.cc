@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "actor/metaworld/tasks/task_table.h"
-#include "common/config/task_names.h"
 #include "common/text/number_text.h"
 
 namespace metronome {
@@ -24,7 +23,7 @@ std::string CsvRow(std::size_t step, const metaworld::Observation& observation) 
 
 std::string Csv(const Trace& trace) {
   std::string text = "step";
-  for (int i = 0; i < kObservationSize; ++i) text += ",obs" + std::to_string(i);
+  for (int i = 0; i < metaworld::kObservationSize; ++i) text += ",obs" + std::to_string(i);
   text += ",reward,success,near_object,grasp_success,grasp_reward,in_place_reward,obj_to_target\n";
   text += CsvRow(0, trace.reset) + ",,,,,,,\n";
   for (std::size_t t = 0; t < trace.steps.size(); ++t) {
@@ -58,9 +57,9 @@ Trace PlayRecording(const Recording& recording, TraceMode mode, const std::strin
 int RunTrace(const TraceOptions& options, std::ostream& out) {
   try {
     const TraceMode mode = ParseMode(options.mode);
-    const std::string task = CanonicalTaskName(options.task);
+    const std::string task = metaworld::FindTask(options.task).name;
     const Recording recording = ReadRecording(options.recording);
-    if (CanonicalTaskName(recording.task) != task)
+    if (metaworld::FindTask(recording.task).name != task)
       throw std::invalid_argument("recording " + options.recording + " is of task " +
                                   recording.task + ", not " + task);
     out << Csv(PlayRecording(recording, mode, options.assets)) << std::flush;

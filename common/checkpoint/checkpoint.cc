@@ -4,7 +4,6 @@
 #include <cstring>
 
 #include "common/config/config.h"
-#include "common/messages/episode.h"
 #include "common/policy/network.h"
 #include "common/policy/snapshot.h"
 #include "common/process/sha256.h"
@@ -143,8 +142,9 @@ TrainState StateOfOldFormat(const std::string& bytes, const RunConfig& config,
                                       FromField(old.observation().m2()), old.observation().count()};
   RequireSize(parameters.size(), ParameterCount(ShapeOf(config)), "the network", name);
   if (observation.count > 0) {
-    RequireSize(observation.mean.size(), kObservationSize, "the observation statistics", name);
-    RequireSize(observation.m2.size(), kObservationSize, "the observation statistics", name);
+    const auto observations = static_cast<std::size_t>(ShapeOf(config).observation);
+    RequireSize(observation.mean.size(), observations, "the observation statistics", name);
+    RequireSize(observation.m2.size(), observations, "the observation statistics", name);
   }
   TrainState state;
   state.version = old.version();
@@ -167,8 +167,17 @@ void RequireValid(const RunConfig& config, const std::string& name) {
 
 void RequireFit(const PolicySnapshot& policy, const RunConfig& config, const std::string& name) {
   RequireSize(policy.parameters.size(), ActorLayout(ShapeOf(config)).size, "the policy", name);
-  RequireSize(policy.observation_mean.size(), kObservationSize, "the observations' mean", name);
-  RequireSize(policy.observation_inv_std.size(), kObservationSize, "the observations' scale", name);
+  const auto observations = static_cast<std::size_t>(ShapeOf(config).observation);
+  RequireSize(policy.observation_mean.size(), observations, "the observations' mean", name);
+  RequireSize(policy.observation_inv_std.size(), observations, "the observations' scale", name);
+}
+
+void Complete(RunConfig& config, const std::string& name, const SpecSource& source) {
+  try {
+    CompleteSpec(config, source);
+  } catch (const ConfigError& error) {
+    throw CheckpointError(name + ": " + error.what());
+  }
 }
 
 std::string ShapeText(const RunConfig& config) {
@@ -191,7 +200,8 @@ std::string EncodeCheckpoint(const Checkpoint& checkpoint) {
   return bytes + payload;
 }
 
-Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name) {
+Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name,
+                            const SpecSource& source) {
   const auto [format, raw] = CheckFrame(bytes, name);
   CheckpointPayload payload;
   if (raw.size() > INT32_MAX || !payload.ParseFromArray(raw.data(), static_cast<int>(raw.size()))) {
@@ -199,6 +209,7 @@ Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name) {
   }
   Checkpoint checkpoint;
   checkpoint.config = payload.config();
+  Complete(checkpoint.config, name, source);
   RequireValid(checkpoint.config, name);
   checkpoint.state = format <= kLastFormatOfPpoAlone
                          ? StateOfOldFormat(payload.state_of_format_5(), checkpoint.config, name)

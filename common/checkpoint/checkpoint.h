@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/checkpoint/train_state.h"
+#include "common/config/environment_spec.h"
 #include "common/schema/config.pb.h"
 
 /// Checkpoints: everything that a run needs to go on, in one file.
@@ -22,9 +23,9 @@ namespace metronome {
 /// 3: and the correlation of exploration noise (before: 0).
 /// 4: and what success adds to the reward (before: 0).
 /// 5: and what is added to the variance of observations (before: 1e-8).
-/// 6: the policy by itself, and the algorithm's state as bytes of a format of its own (before:
-/// PPO's
-///    state alone, in the open).
+/// 6: and describes the environment (before: a Meta-World task, described by who knows its name);
+///    the policy by itself, and the algorithm's state as bytes of a format of its own (before:
+///    PPO's state alone, in the open).
 inline constexpr std::uint32_t kCheckpointFormat = 6;
 /// What is read: from here to kCheckpointFormat.
 inline constexpr std::uint32_t kOldestCheckpointFormat = 1;
@@ -67,16 +68,19 @@ class CheckpointUnreadable : public CheckpointError {
 };
 
 /// The whole file as bytes, and back. The same checkpoint gives the same bytes.
-/// @param name  of the file, for messages.
+/// @param name    of the file, for messages.
+/// @param source  asked what the environment is like if the checkpoint does not say: below
+///                format 6.
 /// The algorithm's state is not looked into.
 /// @throws CheckpointDamaged, and CheckpointError for anything else but a checkpoint of a known
 ///         format whose policy fits its configuration.
 std::string EncodeCheckpoint(const Checkpoint& checkpoint);
-Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name);
+Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name,
+                            const SpecSource& source);
 
 /// @throws CheckpointError, see DecodeCheckpoint, and CheckpointUnreadable; where the file is
 ///         damaged or cannot be read, what() names the checkpoints that lie beside it.
-Checkpoint LoadCheckpoint(const std::string& path);
+Checkpoint LoadCheckpoint(const std::string& path, const SpecSource& source);
 
 /// @throws CheckpointError naming both shapes if the checkpoint's network does not have the shape
 ///         that `config` (resolved) asks for.
@@ -100,7 +104,8 @@ struct FoundCheckpoint {
 /// @throws CheckpointDamaged naming each file if none is whole; CheckpointError, with the command
 ///         that goes back to another one, if the one to take is whole and cannot be used, or cannot
 ///         be read.
-std::optional<FoundCheckpoint> FindNewestCheckpoint(const std::string& folder);
+std::optional<FoundCheckpoint> FindNewestCheckpoint(const std::string& folder,
+                                                    const SpecSource& source);
 
 /// The checkpoints of one run: FOLDER/000123.ckpt for version 123, FOLDER/latest a link to the
 /// newest. One writer per folder (the run's lock); not thread-safe.

@@ -77,7 +77,7 @@ std::string OthersBeside(const fs::path& path) {
   return text + names + (names.empty() ? "" : " in " + folder.string());
 }
 
-Checkpoint ReadCheckpoint(const fs::path& path) {
+Checkpoint ReadCheckpoint(const fs::path& path, const SpecSource& source) {
   std::string bytes;
   try {
     bytes = ReadFile(path.string());
@@ -85,7 +85,7 @@ Checkpoint ReadCheckpoint(const fs::path& path) {
     throw CheckpointUnreadable("cannot read checkpoint " + path.string() + ": " +
                                error.code().message());
   }
-  return DecodeCheckpoint(bytes, path.string());
+  return DecodeCheckpoint(bytes, path.string(), source);
 }
 
 /// What may be gone on from, best first. @param latest  FOLDER/latest; not among `files`.
@@ -112,7 +112,8 @@ std::vector<fs::path> Candidates(const fs::path& latest, const Files& files) {
 
 /// Why it cannot be gone on from and never can be, or nothing and the checkpoint is in `found`.
 /// @throws CheckpointError if it may be whole.
-std::optional<std::string> Take(const fs::path& path, FoundCheckpoint& found) {
+std::optional<std::string> Take(const fs::path& path, const SpecSource& source,
+                                FoundCheckpoint& found) {
   std::error_code error;
   const auto there = fs::status(path, error);
   if (there.type() == fs::file_type::not_found ||
@@ -121,7 +122,7 @@ std::optional<std::string> Take(const fs::path& path, FoundCheckpoint& found) {
   }
   if (fs::exists(there) && !fs::is_regular_file(there)) return path.string() + ": not a file";
   try {
-    found.checkpoint = ReadCheckpoint(path);
+    found.checkpoint = ReadCheckpoint(path, source);
   } catch (const CheckpointDamaged& damaged) {
     return damaged.what();
   }
@@ -167,9 +168,9 @@ void RequireNoTrace(const std::string& folder, const std::vector<fs::path>& entr
 
 }  // namespace
 
-Checkpoint LoadCheckpoint(const std::string& path) {
+Checkpoint LoadCheckpoint(const std::string& path, const SpecSource& source) {
   try {
-    return ReadCheckpoint(path);
+    return ReadCheckpoint(path, source);
   } catch (const CheckpointDamaged& error) {
     throw CheckpointDamaged(error.what() + OthersBeside(path));
   } catch (const CheckpointUnreadable& error) {
@@ -177,7 +178,8 @@ Checkpoint LoadCheckpoint(const std::string& path) {
   }
 }
 
-std::optional<FoundCheckpoint> FindNewestCheckpoint(const std::string& folder) {
+std::optional<FoundCheckpoint> FindNewestCheckpoint(const std::string& folder,
+                                                    const SpecSource& source) {
   std::error_code error;
   const std::vector<fs::path> entries = EntriesOf(folder, error);
   if (error == std::errc::no_such_file_or_directory) return std::nullopt;
@@ -187,7 +189,7 @@ std::optional<FoundCheckpoint> FindNewestCheckpoint(const std::string& folder) {
   FoundCheckpoint found;
   for (const fs::path& path : Candidates(latest, files)) {
     try {
-      const auto why = Take(path, found);
+      const auto why = Take(path, source, found);
       if (!why) return found;
       found.passed_over.push_back({path.string(), *why});
     } catch (const CheckpointError& refused) {

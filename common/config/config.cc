@@ -7,8 +7,6 @@
 #include <map>
 #include <stdexcept>
 
-#include "common/config/task_names.h"
-
 namespace metronome {
 namespace {
 
@@ -16,20 +14,13 @@ constexpr std::int32_t kDefaultHeads = 10;
 constexpr std::int32_t kDefaultWidth = 128;
 constexpr std::int64_t kDefaultMinibatch = 1000;
 
-std::string CanonicalIfKnown(const std::string& task) {
-  try {
-    return CanonicalTaskName(task);
-  } catch (const std::invalid_argument&) {
-    return task;
-  }
-}
-
 }  // namespace
 
 RunConfig Resolve(RunConfig config) {
-  auto& environment = *config.mutable_environment();
-  if (environment.has_task()) environment.set_task(CanonicalIfKnown(environment.task()));
   FillDefaults(config);
+  auto& environment = *config.mutable_environment();
+  if (environment.spec().name().empty()) environment.clear_spec();
+  if (!environment.has_horizon()) environment.set_horizon(environment.spec().max_steps());
   auto& policy = *config.mutable_policy();
   if (!policy.has_heads()) policy.set_heads(policy.method() == MULTIHEAD ? kDefaultHeads : 1);
   if (policy.hidden_size() == 0) {
@@ -117,8 +108,16 @@ void ConfigDraft::Set(const std::string& path, const std::string& value,
   origins_[path] = origin;
 }
 
-RunConfig ConfigDraft::Finish() const {
-  RunConfig config = Resolve(config_);
+RunConfig ConfigDraft::Finish(const SpecSource& source) const {
+  RunConfig config = config_;
+  try {
+    CompleteSpec(config, source);
+  } catch (const ConfigError& error) {
+    const auto origin = origins_.find("environment.task");
+    if (origin == origins_.end()) throw;
+    throw ConfigError(origin->second + ": " + error.what());
+  }
+  config = Resolve(std::move(config));
   Validate(config, origins_);
   return config;
 }

@@ -5,15 +5,17 @@
 
 #include "common/config/config_fields.h"
 #include "common/config/config_file.h"
+#include "common/config/environment_spec.h"
 #include "common/schema/config.pb.h"
 
-/// The life of a configuration: draft (file < --set < options), resolve, validate, print, compare.
+/// The life of a configuration: draft (file < --set < options), complete by the environment's
+/// specification, resolve, validate, print, compare.
 /// Field meanings and defaults: common/schema/config.proto. No function keeps state; all are
 /// thread-safe.
 namespace metronome {
 
 /// Fills every unset field with its default, the derived ones too (heads and minibatch by what else
-/// is set), and brings the task's spelling to its canonical form.
+/// is set, the horizon by the environment's specification, see CompleteSpec).
 /// Never fails: what cannot be right is left for Validate.
 RunConfig Resolve(RunConfig config);
 
@@ -54,8 +56,8 @@ class ConfigDraft {
   /// @param origin  e.g. "--heads". @throws ConfigError, see SetField.
   void Set(const std::string& path, const std::string& value, const std::string& origin);
 
-  /// Resolved and validated. @throws ConfigError.
-  [[nodiscard]] RunConfig Finish() const;
+  /// Completed by `source` (see CompleteSpec), resolved and validated. @throws ConfigError.
+  [[nodiscard]] RunConfig Finish(const SpecSource& source) const;
 
  private:
   RunConfig config_;

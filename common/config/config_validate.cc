@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "common/config/config.h"
-#include "common/config/task_names.h"
+#include "common/messages/episode.h"
 #include "common/policy/network.h"
 #include "common/text/host_port.h"
 #include "common/text/listen_address.h"
@@ -16,7 +16,7 @@ namespace metronome {
 namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-constexpr double kMostSteps = 9007199254740991;         // 2^53 - 1: exact in every double
+constexpr double kMostTotal = 9007199254740991;         // 2^53 - 1: exact in every double
 constexpr std::size_t kMostPolicyParameters = 4000000;  // kMaxParameters of idl/metronome.idl
 constexpr std::uint64_t kMostMt1Seed = 4294967295;      // the official generator takes 32 bits
 
@@ -29,8 +29,11 @@ struct Range {
 
 const std::map<std::string, Range>& Ranges() {
   static const std::map<std::string, Range> ranges = {
-      {"total_steps", {1, kMostSteps}},
-      {"environment.horizon", {1, 500}},
+      {"total_steps", {1, kMostTotal}},
+      {"environment.horizon", {1, kMaxSteps}},
+      {"environment.spec.observation_size", {1, kMaxObservationSize}},
+      {"environment.spec.action_size", {1, kMaxActionSize}},
+      {"environment.spec.max_steps", {1, kMaxSteps}},
       {"policy.heads", {1, kUnbounded}},
       {"policy.hidden", {1, 4096}},
       // Learning moves it from there: 20 leaves room to where no actor can act
@@ -112,6 +115,8 @@ void CheckRanges(const RunConfig& config, Complaints& complaints) {
   VisitFields(config, [&](const std::string& path, const auto& owner, const auto& field) {
     const auto found = Ranges().find(path);
     if (found == Ranges().end()) return;
+    // Whose absence has been complained of, and with it that of the horizon.
+    if (path.starts_with("environment.") && !config.environment().has_spec()) return;
     std::istringstream values(FieldText(owner, field));
     for (std::string value; std::getline(values, value, ',');) {
       const auto number = ParseNumber<double>(value);
@@ -123,16 +128,38 @@ void CheckRanges(const RunConfig& config, Complaints& complaints) {
   });
 }
 
+void CheckSpec(const EnvironmentConfig& environment, Complaints& complaints) {
+  const EnvironmentSpec& spec = environment.spec();
+  const auto bounds_of = [&spec](const auto& bounds) {
+    return bounds.size() == spec.action_size();
+  };
+  if (spec.action_size() < 1 || spec.action_size() > kMaxActionSize || spec.max_steps() < 1 ||
+      spec.max_steps() > kMaxSteps) {
+    return;  // CheckRanges says so
+  }
+  if (!bounds_of(spec.action_low()) || !bounds_of(spec.action_high())) {
+    complaints.Add("environment.spec", "has no two bounds for each of the " +
+                                           std::to_string(spec.action_size()) +
+                                           " numbers of an action");
+  }
+  if (environment.horizon() > spec.max_steps() && environment.horizon() <= kMaxSteps) {
+    complaints.Add("environment.horizon", "is " + std::to_string(environment.horizon()) +
+                                              ": must be from 1 to " +
+                                              std::to_string(spec.max_steps()) +
+                                              ", the longest episode of " + spec.name());
+  }
+}
+
 void CheckEnvironment(const RunConfig& config, Complaints& complaints) {
   const auto& environment = config.environment();
   if (!environment.has_task()) {
-    complaints.Add("environment.task", "is not set: choose one of " + JoinNames(TaskNames()));
+    complaints.Add("environment.task",
+                   "is not set: choose what `metronome-actor environment` lists");
+  } else if (!HasSpec(config)) {
+    complaints.Add("environment.spec", "is not that of " + environment.task() +
+                                           ": nothing says how large its observations are");
   } else {
-    try {
-      CanonicalTaskName(environment.task());
-    } catch (const std::invalid_argument& error) {
-      complaints.Add("environment.task", std::string("is an ") + error.what());
-    }
+    CheckSpec(environment, complaints);
   }
   if (environment.placements() == PLACEMENTS_MT1 && config.seed() > kMostMt1Seed) {
     complaints.Add("seed", "is " + std::to_string(config.seed()) +

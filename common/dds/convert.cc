@@ -12,9 +12,11 @@ namespace metronome::dds {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the checksum is over native bytes");
-static_assert(wire::kMaxObservations == (wire::kMaxSteps + 1) * kObservationSize);
-static_assert(wire::kMaxActions == wire::kMaxSteps * kActionSize);
-static_assert(wire::kMaxObservationSize == kObservationSize);
+static_assert(wire::kMaxSteps == kMaxSteps);
+static_assert(wire::kMaxObservationSize == kMaxObservationSize);
+static_assert(wire::kMaxActionSize == kMaxActionSize);
+static_assert(wire::kMaxObservations == (kMaxSteps + 1) * kMaxObservationSize);
+static_assert(wire::kMaxActions == kMaxSteps * kMaxActionSize);
 
 constexpr std::uint32_t kMaxSlots = 4096;  // an actor with more is lying
 
@@ -22,6 +24,13 @@ void CheckAtMost(std::size_t size, std::size_t bound, const std::string& field) 
   if (size <= bound) return;
   throw Malformed(field + " has " + std::to_string(size) + " elements, the wire carries at most " +
                   std::to_string(bound));
+}
+
+/// `rows` rows of one size, from 1 to `most`. How large they are is for the run's specification.
+void CheckRows(std::size_t size, std::size_t rows, std::size_t most, const std::string& field) {
+  if (size > 0 && size % rows == 0 && size / rows <= most) return;
+  throw Malformed(field + " has " + std::to_string(size) + " elements, which make no " +
+                  std::to_string(rows) + " rows of 1 to " + std::to_string(most));
 }
 
 void CheckExactly(std::size_t size, std::size_t expected, const std::string& field) {
@@ -38,17 +47,18 @@ void CopyText(const std::string& text, const std::string& field, FixedString* ou
 
 void CheckSnapshotSizes(std::size_t parameters, std::size_t mean, std::size_t inv_std) {
   CheckAtMost(parameters, wire::kMaxParameters, "parameters");
-  CheckExactly(mean, kObservationSize, "observation_mean");
-  CheckExactly(inv_std, kObservationSize, "observation_inv_std");
+  CheckAtMost(mean, wire::kMaxNormaliser, "observation_mean");
+  CheckExactly(inv_std, mean, "observation_inv_std");
 }
 
-/// Every array against the number of rewards, which is T.
+/// Every array against the number of rewards, which is T. The sizes that the run's configuration
+/// asks for are the learner's to check.
 void CheckEpisodeSizes(const Episode& episode) {
   const std::size_t steps = episode.reward.size();
   if (steps == 0) throw Malformed("reward is empty: an episode has at least one step");
   CheckAtMost(steps, wire::kMaxSteps, "reward");
-  CheckExactly(episode.observation.size(), (steps + 1) * kObservationSize, "observation");
-  CheckExactly(episode.action.size(), steps * kActionSize, "action");
+  CheckRows(episode.observation.size(), steps + 1, kMaxObservationSize, "observation");
+  CheckRows(episode.action.size(), steps, kMaxActionSize, "action");
   CheckExactly(episode.log_prob.size(), steps, "log_prob");
   CheckExactly(episode.head.size(), steps, "head");
   CheckExactly(episode.flags.size(), steps, "flags");

@@ -5,8 +5,11 @@
 
 namespace metronome {
 
-inline constexpr int kObservationSize = 39;  // Meta-World: frame 18 | previous frame 18 | goal 3
-inline constexpr int kActionSize = 4;        // hand dx, dy, dz, gripper; the environment clips
+/// Ceilings of what an environment may be like, the wire's own (idl/metronome.idl); a run's real
+/// sizes are in its EnvironmentSpec (common/schema/config.proto).
+inline constexpr int kMaxObservationSize = 1024;
+inline constexpr int kMaxActionSize = 64;
+inline constexpr int kMaxSteps = 10000;
 
 /// Bits of Episode::flags.
 enum StepFlag : std::uint8_t {
@@ -15,16 +18,17 @@ enum StepFlag : std::uint8_t {
   kStepTruncated = 4,   // the time limit cut the episode here: set exactly at the last step
 };
 
-/// One whole episode of T steps: what actors publish and an update consumes. Arrays are row-major.
+/// One whole episode of T steps: what actors publish and an update consumes. Arrays are row-major;
+/// observations have O numbers, actions A, as the run's EnvironmentSpec says.
 /// float32 throughout: the policy saw exactly these observations, so the learner can recompute
 /// every action and log-probability bit for bit.
 struct Episode {
   std::uint64_t number = 0;           // position in the run, from 0
   std::uint64_t weights_version = 0;  // the policy snapshot that acted
-  std::vector<float> observation;     // [T + 1, 39]; row t precedes step t, row T is the final one
-  std::vector<float> action;          // [T, 4], as sampled: before the environment clips
+  std::vector<float> observation;     // [T + 1, O]; row t precedes step t, row T is the final one
+  std::vector<float> action;          // [T, A], as sampled: before the environment clips
   std::vector<float> log_prob;        // [T], nats, of the unclipped action
-  std::vector<float> reward;          // [T], the environment's own scale (0..10)
+  std::vector<float> reward;          // [T], the environment's own scale
   std::vector<std::uint16_t> head;    // [T], by the run's schedule (head_schedule.h)
   std::vector<std::uint8_t> flags;    // [T], StepFlag bits
 

@@ -12,8 +12,9 @@ namespace metronome {
 
 /// Grows whenever wire types or the meaning of a message change. Peers of another version are
 /// refused, both versions named. 2: the configuration names the heads' schedule. 3: and the
-/// correlation of exploration noise.
-inline constexpr std::uint32_t kProtocolVersion = 3;
+/// correlation of exploration noise. 4: and describes the environment, whose sizes are the
+/// episodes'.
+inline constexpr std::uint32_t kProtocolVersion = 4;
 
 /// Learner to all: everything an actor needs to know. The newest incarnation rules.
 struct RunDescription {
@@ -34,8 +35,8 @@ struct PolicySnapshot {
   std::uint64_t incarnation = 0;
   std::uint64_t version = 0;
   std::vector<float> parameters;        // actor part, ActorLayout order (common/policy/network.h)
-  std::vector<float> observation_mean;  // [39]
-  std::vector<float> observation_inv_std;  // [39]
+  std::vector<float> observation_mean;  // [O], as observations
+  std::vector<float> observation_inv_std;  // [O]
   bool operator==(const PolicySnapshot&) const = default;
 };
 

@@ -7,12 +7,15 @@
 namespace metronome {
 
 ActionNoise::ActionNoise(const RunConfig& config, std::uint64_t number)
-    : seed_(config.seed()), number_(number), correlation_(config.policy().noise_correlation()) {}
+    : size_(config.environment().spec().action_size()),
+      seed_(config.seed()),
+      number_(number),
+      correlation_(config.policy().noise_correlation()) {}
 
-std::array<double, kActionSize> ActionNoise::Independent(std::int32_t t) const {
+ActionNoise::Doubles ActionNoise::Independent(std::int32_t t) const {
   RandomStream stream(RandomPurpose::kTrain, seed_, number_, static_cast<std::uint64_t>(t));
-  std::array<double, kActionSize> numbers{};
-  for (double& number : numbers) number = stream.Normal();
+  Doubles numbers{};
+  for (std::int32_t i = 0; i < size_; ++i) numbers[i] = stream.Normal();
   return numbers;
 }
 
@@ -27,13 +30,13 @@ ActionNoise::Numbers ActionNoise::At(std::int32_t t) {
     const double fresh = std::sqrt(1 - correlation_ * correlation_);
     while (t_ < t) {
       const auto independent = Independent(++t_);
-      for (int i = 0; i < kActionSize; ++i) {
+      for (std::int32_t i = 0; i < size_; ++i) {
         state_[i] = correlation_ * state_[i] + fresh * independent[i];
       }
     }
   }
   Numbers numbers{};
-  for (int i = 0; i < kActionSize; ++i) numbers[i] = static_cast<float>(state_[i]);
+  for (std::int32_t i = 0; i < size_; ++i) numbers[i] = static_cast<float>(state_[i]);
   return numbers;
 }
 

@@ -17,7 +17,8 @@ namespace metronome {
 /// place of 1/f noise. A pure function of (run seed, episode number, t). Not thread-safe.
 class ActionNoise {
  public:
-  using Numbers = std::array<float, kActionSize>;
+  /// The first action_size of them count.
+  using Numbers = std::array<float, kMaxActionSize>;
 
   /// @param config  resolved. @param number  of the training episode.
   ActionNoise(const RunConfig& config, std::uint64_t number);
@@ -26,13 +27,16 @@ class ActionNoise {
   Numbers At(std::int32_t t);
 
  private:
-  [[nodiscard]] std::array<double, kActionSize> Independent(std::int32_t t) const;
+  using Doubles = std::array<double, kMaxActionSize>;
 
+  [[nodiscard]] Doubles Independent(std::int32_t t) const;
+
+  std::int32_t size_;  // numbers an action
   std::uint64_t seed_;
   std::uint64_t number_;
   double correlation_;
   std::int32_t t_ = -1;  // state_ is n of this step; -1: none
-  std::array<double, kActionSize> state_{};
+  Doubles state_{};
 };
 
 }  // namespace metronome

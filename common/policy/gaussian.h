@@ -1,16 +1,16 @@
 #pragma once
 
-#include "common/messages/episode.h"
+#include <cstdint>
 
 namespace metronome {
 
 inline constexpr float kHalfLogTwoPi = 0.918938533204672742F;
 
-/// Log-density (nats) of a diagonal Gaussian over actions; every array is [4].
+/// Log-density (nats) of a diagonal Gaussian over actions; every array is [size].
 inline float GaussianLogProb(const float* action, const float* mean, const float* std,
-                             const float* log_std) {
+                             const float* log_std, std::int32_t size) {
   float log_prob = 0;
-  for (int i = 0; i < kActionSize; ++i) {
+  for (int i = 0; i < size; ++i) {
     const float z = (action[i] - mean[i]) / std[i];
     log_prob += -0.5F * z * z - log_std[i] - kHalfLogTwoPi;
   }
@@ -18,9 +18,9 @@ inline float GaussianLogProb(const float* action, const float* mean, const float
 }
 
 /// Entropy (nats) of the same distribution.
-inline float GaussianEntropy(const float* log_std) {
+inline float GaussianEntropy(const float* log_std, std::int32_t size) {
   float entropy = 0;
-  for (int i = 0; i < kActionSize; ++i) entropy += log_std[i] + 0.5F + kHalfLogTwoPi;
+  for (int i = 0; i < size; ++i) entropy += log_std[i] + 0.5F + kHalfLogTwoPi;
   return entropy;
 }
 

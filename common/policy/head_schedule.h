@@ -3,17 +3,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/numbers/random.h"
+#include "common/numbers/episode_key.h"
 #include "common/schema/config.pb.h"
 
 namespace metronome {
-
-/// Which episode: the key of what is drawn anew for each.
-struct EpisodeKey {
-  RandomPurpose purpose = RandomPurpose::kTrain;  // or kEvaluate
-  std::uint64_t seed = 0;                         // of the run, or of the evaluation
-  std::uint64_t number = 0;                       // in it, from 0
-};
 
 /// Episode `number` of a training run.
 EpisodeKey TrainingEpisode(const RunConfig& config, std::uint64_t number);
@@ -48,7 +41,8 @@ class HeadSchedule {
   [[nodiscard]] std::int32_t HeadAt(std::int32_t t) const;
 
   /// Like HeadAt, and defined at t = T too: the value after the last step belongs to the head that
-  /// acted in it, which is head k-1 in blocks.
+  /// acted in it, which is head k-1 in blocks. Where an episode is cut before T the value belongs
+  /// to the head that would have acted next.
   /// @throws std::out_of_range if t is outside [0, T].
   [[nodiscard]] std::int32_t ValueHeadAt(std::int32_t t) const;
 

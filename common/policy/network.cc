@@ -51,6 +51,8 @@ NetworkShape ShapeOf(const RunConfig& config) {
   NetworkShape shape;
   const PolicyConfig& policy = config.policy();
   shape.time_feature = policy.method() == SINGLE_TIME;
+  shape.observation = config.environment().spec().observation_size();
+  shape.action = config.environment().spec().action_size();
   shape.hidden.assign(policy.hidden().begin(), policy.hidden().end());
   shape.heads = policy.heads();
   shape.critic_heads = policy.critic_heads() == CRITIC_HEADS_SHARED ? 1 : shape.heads;

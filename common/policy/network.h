@@ -10,12 +10,12 @@ namespace metronome {
 
 /// Shape of actor and critic: separate tanh MLPs of equal widths.
 struct NetworkShape {
-  std::int32_t observation = 39;
+  std::int32_t observation = 1;
   bool time_feature = false;  // single-time: 2t/T-1 is appended, after normalisation
   std::vector<std::int32_t> hidden = {128, 128};
   std::int32_t heads = 10;
   std::int32_t critic_heads = 10;  // one a head, or 1 for all (policy.critic_heads)
-  std::int32_t action = 4;
+  std::int32_t action = 1;
 
   [[nodiscard]] std::int32_t input() const { return observation + (time_feature ? 1 : 0); }
   /// The critic's head that values the states of the policy's `head`.
@@ -52,7 +52,8 @@ MlpLayout CriticLayout(const NetworkShape& shape);
 /// Parameters of both networks: the actor's, then the critic's.
 std::size_t ParameterCount(const NetworkShape& shape);
 
-/// The shape that a resolved configuration (common/config/config.h) asks for.
+/// The shape that a resolved configuration (common/config/config.h) with its environment's
+/// specification asks for.
 NetworkShape ShapeOf(const RunConfig& config);
 
 }  // namespace metronome

@@ -43,12 +43,12 @@ Policy::Policy(const RunConfig& config, const PolicySnapshot& snapshot)
     activations_.emplace_back(hidden_.back().padded, kStates);
   }
   for (std::int32_t head = 0; head < shape_.heads; ++head) {
-    heads_.push_back(Transpose(parameters, layout.head, head * kActionSize, kActionSize));
+    heads_.push_back(Transpose(parameters, layout.head, head * shape_.action, shape_.action));
     head_output_.resize(heads_.back().padded);
-    const float* log_std = parameters + layout.log_std + head * kActionSize;
+    const float* log_std = parameters + layout.log_std + head * shape_.action;
     auto& log_stds = log_std_.emplace_back();
     auto& stds = std_.emplace_back();
-    for (int i = 0; i < kActionSize; ++i) {
+    for (int i = 0; i < shape_.action; ++i) {
       log_stds[i] = log_std[i];
       stds[i] = std::exp(log_std[i]);
     }
@@ -120,7 +120,7 @@ void Policy::RequireFit(const HeadSchedule& schedule) const {
 
 template <int States>
 void Policy::MeansOf(const HeadSchedule& schedule, const float* observations, std::int32_t t,
-                     std::array<float, kActionSize>* means) {
+                     Action* means) {
   RequireFit(schedule);
   for (int s = 0; s < States; ++s) {
     WriteInput(shape_, observations + s * shape_.observation, observation_mean_.data(),
@@ -137,42 +137,42 @@ void Policy::MeansOf(const HeadSchedule& schedule, const float* observations, st
   }
   for (int s = 0; s < States; ++s) {
     heads_[schedule.HeadAt(t + s)].Apply<1>(below->col(s).data(), 0, head_output_.data(), 0);
-    std::copy_n(head_output_.data(), kActionSize, means[s].begin());
+    std::copy_n(head_output_.data(), shape_.action, means[s].begin());
   }
 }
 
-std::array<float, kActionSize> Policy::Mean(const HeadSchedule& schedule, const float* observation,
-                                            std::int32_t t) {
-  std::array<float, kActionSize> mean;
+Policy::Action Policy::Mean(const HeadSchedule& schedule, const float* observation,
+                            std::int32_t t) {
+  Action mean{};
   MeansOf<1>(schedule, observation, t, &mean);
   return mean;
 }
 
-std::array<std::array<float, kActionSize>, Policy::kStates> Policy::Means(
-    const HeadSchedule& schedule, const float* observations, std::int32_t t) {
-  std::array<std::array<float, kActionSize>, kStates> means;
+std::array<Policy::Action, Policy::kStates> Policy::Means(const HeadSchedule& schedule,
+                                                          const float* observations,
+                                                          std::int32_t t) {
+  std::array<Action, kStates> means{};
   MeansOf<kStates>(schedule, observations, t, means.data());
   return means;
 }
 
 Policy::Decision Policy::Act(const HeadSchedule& schedule, const float* observation, std::int32_t t,
-                             const std::array<float, kActionSize>& noise) {
+                             const Action& noise) {
   return ActAround(schedule, Mean(schedule, observation, t), t, noise);
 }
 
-Policy::Decision Policy::ActAround(const HeadSchedule& schedule,
-                                   const std::array<float, kActionSize>& mean, std::int32_t t,
-                                   const std::array<float, kActionSize>& noise) const {
+Policy::Decision Policy::ActAround(const HeadSchedule& schedule, const Action& mean, std::int32_t t,
+                                   const Action& noise) const {
   RequireFit(schedule);
   Decision decision;
   decision.mean = mean;
   decision.head = schedule.HeadAt(t);
   const auto& stds = std_[decision.head];
-  for (int i = 0; i < kActionSize; ++i) {
+  for (int i = 0; i < shape_.action; ++i) {
     decision.action[i] = decision.mean[i] + stds[i] * noise[i];
   }
   decision.log_prob = GaussianLogProb(decision.action.data(), decision.mean.data(), stds.data(),
-                                      log_std_[decision.head].data());
+                                      log_std_[decision.head].data(), shape_.action);
   return decision;
 }
 

@@ -22,10 +22,12 @@ namespace metronome {
 /// enters. Not thread-safe: it keeps scratch space; make one per thread.
 class Policy {
  public:
+  /// Room for the largest action: the first action_size numbers count.
+  using Action = std::array<float, kMaxActionSize>;
   struct Decision {
-    std::array<float, kActionSize> mean{};
-    std::array<float, kActionSize> action{};  // mean + std * noise, not clipped
-    float log_prob = 0;                       // nats, of `action`
+    Action mean{};
+    Action action{};     // mean + std * noise, not clipped
+    float log_prob = 0;  // nats, of `action`
     std::int32_t head = 0;
   };
 
@@ -36,24 +38,21 @@ class Policy {
 
   /// Mean action of the head that owns step t. Here and below:
   /// @param schedule     of the episode. @throws std::invalid_argument if it has another k.
-  /// @param observation  [39], as published. @param t  in [0, T).
-  std::array<float, kActionSize> Mean(const HeadSchedule& schedule, const float* observation,
-                                      std::int32_t t);
+  /// @param observation  [O], as published. @param t  in [0, T).
+  Action Mean(const HeadSchedule& schedule, const float* observation, std::int32_t t);
 
   /// Mean of kStates consecutive steps at once, to the bit as one by one and in half the time.
-  /// @param observations  [kStates, 39]. @param t  of the first, in [0, T - kStates].
+  /// @param observations  [kStates, O]. @param t  of the first, in [0, T - kStates].
   static constexpr int kStates = 4;
-  std::array<std::array<float, kActionSize>, kStates> Means(const HeadSchedule& schedule,
-                                                            const float* observations,
-                                                            std::int32_t t);
+  std::array<Action, kStates> Means(const HeadSchedule& schedule, const float* observations,
+                                    std::int32_t t);
 
   /// Samples the action of step t with the standard normal numbers of `noise`.
   Decision Act(const HeadSchedule& schedule, const float* observation, std::int32_t t,
-               const std::array<float, kActionSize>& noise);
+               const Action& noise);
   /// The same where the mean of step t is known.
-  [[nodiscard]] Decision ActAround(const HeadSchedule& schedule,
-                                   const std::array<float, kActionSize>& mean, std::int32_t t,
-                                   const std::array<float, kActionSize>& noise) const;
+  [[nodiscard]] Decision ActAround(const HeadSchedule& schedule, const Action& mean, std::int32_t t,
+                                   const Action& noise) const;
 
  private:
   /// Weight transposed to [inputs, padded outputs] row-major, so that vectors run along outputs;
@@ -77,7 +76,7 @@ class Policy {
                          std::int32_t rows);
   template <int States>
   void MeansOf(const HeadSchedule& schedule, const float* observations, std::int32_t t,
-               std::array<float, kActionSize>* means);
+               Action* means);
   void RequireFit(const HeadSchedule& schedule) const;
 
   std::uint64_t version_;
@@ -86,10 +85,10 @@ class Policy {
   std::vector<float> observation_mean_;
   std::vector<float> observation_inv_std_;
   std::vector<Layer> hidden_;
-  std::vector<Layer> heads_;                             // [k]
-  std::vector<std::array<float, kActionSize>> log_std_;  // [k]
-  std::vector<std::array<float, kActionSize>> std_;      // [k]
-  Eigen::MatrixXf input_;                                // [inputs, kStates]
+  std::vector<Layer> heads_;                  // [k]
+  std::vector<Action> log_std_;               // [k]
+  std::vector<Action> std_;                   // [k]
+  Eigen::MatrixXf input_;                     // [inputs, kStates]
   std::vector<Eigen::MatrixXf> activations_;  // one per hidden layer, [padded outputs, kStates]
   Eigen::VectorXf head_output_;               // padded
 };

@@ -7,7 +7,6 @@
 #include <sstream>
 #include <string>
 
-#include "common/messages/episode.h"
 #include "common/policy/network.h"
 
 namespace metronome {
@@ -34,13 +33,14 @@ std::optional<std::string> Beyond(const char* what, const float* begin, const fl
 
 PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor,
                             const RunningStatistics& observation, const RunConfig& config) {
+  const auto observations = static_cast<std::size_t>(ShapeOf(config).observation);
   PolicySnapshot snapshot;
   snapshot.version = version;
   snapshot.parameters.assign(actor, actor + ActorLayout(ShapeOf(config)).size);
-  snapshot.observation_mean.assign(kObservationSize, 0.0F);
-  snapshot.observation_inv_std.assign(kObservationSize, 1.0F);
+  snapshot.observation_mean.assign(observations, 0.0F);
+  snapshot.observation_inv_std.assign(observations, 1.0F);
   if (observation.count > 0) {
-    for (std::size_t i = 0; i < kObservationSize; ++i) {
+    for (std::size_t i = 0; i < observations; ++i) {
       const double variance = observation.m2[i] / observation.count;
       snapshot.observation_mean[i] = float(observation.mean[i]);
       snapshot.observation_inv_std[i] =
@@ -51,7 +51,8 @@ PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor,
 }
 
 std::optional<std::string> SnapshotDefect(const PolicySnapshot& snapshot, const RunConfig& config) {
-  const MlpLayout layout = ActorLayout(ShapeOf(config));
+  const NetworkShape shape = ShapeOf(config);
+  const MlpLayout layout = ActorLayout(shape);
   const std::vector<float>& parameters = snapshot.parameters;
   if (parameters.size() != layout.size) {
     return "it has " + std::to_string(parameters.size()) + " parameters, the run's network needs " +
@@ -62,7 +63,10 @@ std::optional<std::string> SnapshotDefect(const PolicySnapshot& snapshot, const 
   if (auto beyond = Beyond("a parameter", parameters.data(), log_std, kLargest)) return beyond;
   if (auto beyond = Beyond("a log-std", log_std, end, kLargestLogStd)) return beyond;
   for (const auto* statistics : {&snapshot.observation_mean, &snapshot.observation_inv_std}) {
-    if (statistics->size() != kObservationSize) return "its observation statistics are not of 39";
+    if (statistics->size() != static_cast<std::size_t>(shape.observation)) {
+      return "its observation statistics are of " + std::to_string(statistics->size()) +
+             " numbers, observations of " + std::to_string(shape.observation);
+    }
     if (auto beyond = Beyond("an observation statistic", statistics->data(),
                              statistics->data() + statistics->size(), kLargest)) {
       return beyond;

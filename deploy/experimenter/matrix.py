@@ -32,7 +32,6 @@ from dataclasses import dataclass
 
 from options import RUN_NAME, RUN_NAME_RULE
 
-TASKS = ("assembly", "bin-picking", "box-close", "push")
 ENGINES = ("2.2.2", "3.3.0")
 PLACEMENTS = ("random", "fixed", "mt1")
 _TOP = {"name", "mujoco", "tasks", "seeds", "steps", "milestones", "evaluate", "set", "arms", "task"}
@@ -198,17 +197,18 @@ def load(path):
         except UnicodeDecodeError as error:
             raise MatrixError(f"the file is not UTF-8: {error}") from None
     _check_tables(data)
-    tasks = [_one_of(task, TASKS, "tasks") for task in _list(data["tasks"], "tasks")]
-    for task in data.get("task", {}):
-        _one_of(task, TASKS, "[task]")
+    # Whether there are such tasks the programs say (settings.py).
+    tasks = [_name(task, "tasks") for task in _list(data["tasks"], "tasks")]
     cells = []
     for name, arm in data["arms"].items():
         for seed in _list(arm.get("seeds", data["seeds"]), f"[arms.{name}] seeds"):
             for task in _list(arm.get("tasks", tasks), f"[arms.{name}] tasks"):
-                cells.append(_cell(data, _one_of(task, TASKS, f"[arms.{name}] tasks"), name, seed))
+                cells.append(_cell(data, _name(task, f"[arms.{name}] tasks"), name, seed))
+    for task in data.get("task", {}):
+        _one_of(task, sorted({cell.task for cell in cells}), "[task]")
     arms = list(data["arms"])
     # Whole seeds first: what is there after an interruption compares all arms.
-    cells.sort(key=lambda c: (c.seed, TASKS.index(c.task), arms.index(c.arm)))
+    cells.sort(key=lambda c: (c.seed, c.task, arms.index(c.arm)))
     return Experiment(
         name=data["name"],
         mujoco=_one_of(data.get("mujoco", "2.2.2"), ENGINES, "mujoco"),

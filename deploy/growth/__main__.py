@@ -23,7 +23,7 @@ def parse_arguments():
                         help="some of the tables: " + ", ".join(tables.TABLES))
     parser.add_argument("--most-cores", type=int, default=10000, metavar="N",
                         help="leave out what plays on more cores, which takes longest (default 10000)")
-    parser.add_argument("--task", default="push", choices=("assembly", "bin-picking", "box-close", "push"))
+    parser.add_argument("--task", default="push", metavar="TASK", help="whose figures to take (default push)")
     parser.add_argument("--page", action="store_true",
                         help="put the tables between their marks in deploy/growth.md too")
     arguments = parser.parse_args()

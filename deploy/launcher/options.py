@@ -75,7 +75,7 @@ def _parser():
         "task",
         metavar="TASK",
         nargs="?",
-        help="assembly, bin-picking, box-close, push (-v2 and -v3 mean the same); "
+        help="what `build/bin/metronome-actor environment` lists, push say (-v2 and -v3 mean the same); "
         "may be left to --config",
     )
     parser.add_argument(

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
 PURPLE, ORANGE, SKY, BLACK = "#CC79A7", "#E69F00", "#56B4E9", "#000000"
 
-TASKS = ("assembly", "bin-picking", "box-close", "push")
-
 
 @dataclass(frozen=True)
 class Look:
@@ -55,7 +53,7 @@ def in_order(found, known):
 
 
 def tasks_of(cells):
-    return in_order({cell.task for cell in cells}, TASKS)
+    return sorted({cell.task for cell in cells})
 
 
 def arms_of(cells):

@@ -252,7 +252,7 @@ def public(experiments):
     if not rows:
         return None
     steps = f"{published.STEPS / 1e6:g}"
-    tasks = names.in_order({row[0] for row in rows}, names.TASKS)
+    tasks = sorted({row[0] for row in rows})
     for task in tasks:
         if task in published.SAC:
             rows += [[task, "SAC", steps, f"{published.SAC[task]:.2f}", "–"],

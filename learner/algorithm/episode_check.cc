@@ -21,23 +21,33 @@ bool AllWithin(const std::vector<float>& values, float bound) {
   return true;
 }
 
-std::optional<std::string> CheckShape(const Episode& episode, const RunConfig& config) {
-  const auto horizon = std::size_t(config.environment().horizon());
-  const auto wrong = [&](const char* what, std::size_t is, std::size_t want) {
+std::optional<std::string> CheckLength(std::size_t length, const EnvironmentConfig& environment) {
+  const auto horizon = std::size_t(environment.horizon());
+  const bool early = environment.spec().may_end_early();
+  if (length == horizon || (early && length > 0 && length < horizon)) return std::nullopt;
+  return "it has " + std::to_string(length) + " steps, not " + (early ? "1 to " : "") +
+         std::to_string(horizon);
+}
+
+std::optional<std::string> CheckShape(const Episode& episode,
+                                      const EnvironmentConfig& environment) {
+  const std::size_t length = episode.reward.size();
+  if (auto reason = CheckLength(length, environment)) return reason;
+  const auto observations = std::size_t(environment.spec().observation_size());
+  const auto actions = std::size_t(environment.spec().action_size());
+  const auto wrong = [](const char* what, std::size_t is, std::size_t want) {
     return std::string(what) + " has length " + std::to_string(is) + ", not " +
            std::to_string(want);
   };
-  if (episode.reward.size() != horizon) return wrong("reward", episode.reward.size(), horizon);
-  if (episode.observation.size() != (horizon + 1) * kObservationSize) {
-    return wrong("observation", episode.observation.size(), (horizon + 1) * kObservationSize);
+  if (episode.observation.size() != (length + 1) * observations) {
+    return wrong("observation", episode.observation.size(), (length + 1) * observations);
   }
-  if (episode.action.size() != horizon * kActionSize) {
-    return wrong("action", episode.action.size(), horizon * kActionSize);
+  if (episode.action.size() != length * actions) {
+    return wrong("action", episode.action.size(), length * actions);
   }
-  if (episode.log_prob.size() != horizon)
-    return wrong("log_prob", episode.log_prob.size(), horizon);
-  if (episode.head.size() != horizon) return wrong("head", episode.head.size(), horizon);
-  if (episode.flags.size() != horizon) return wrong("flags", episode.flags.size(), horizon);
+  if (episode.log_prob.size() != length) return wrong("log_prob", episode.log_prob.size(), length);
+  if (episode.head.size() != length) return wrong("head", episode.head.size(), length);
+  if (episode.flags.size() != length) return wrong("flags", episode.flags.size(), length);
   return std::nullopt;
 }
 
@@ -56,18 +66,27 @@ std::optional<std::string> CheckRange(const Episode& episode) {
   return std::nullopt;
 }
 
-std::optional<std::string> CheckSchedule(const Episode& episode, const HeadSchedule& schedule) {
-  for (std::int32_t t = 0; t < schedule.horizon(); ++t) {
-    const auto at = std::size_t(t);
-    if (episode.head[at] != schedule.HeadAt(t)) {
-      return "step " + std::to_string(t) + " names head " + std::to_string(episode.head[at]) +
-             ", the schedule gives " + std::to_string(schedule.HeadAt(t));
-    }
-    const bool last = t + 1 == schedule.horizon();
-    const int flags = episode.flags[at] & ~kStepSuccess;
-    if (flags != (last ? kStepTruncated : 0)) {
-      return "step " + std::to_string(t) + " has flags " + std::to_string(episode.flags[at]);
-    }
+std::optional<std::string> CheckHeads(const Episode& episode, const HeadSchedule& schedule) {
+  for (std::int32_t t = 0; t < episode.length(); ++t) {
+    const std::uint16_t head = episode.head[std::size_t(t)];
+    if (head == schedule.HeadAt(t)) continue;
+    return "step " + std::to_string(t) + " names head " + std::to_string(head) +
+           ", the schedule gives " + std::to_string(schedule.HeadAt(t));
+  }
+  return std::nullopt;
+}
+
+// An episode ends at its last step, for one reason, and nowhere else.
+std::optional<std::string> CheckFlags(const Episode& episode, const EnvironmentSpec& spec) {
+  for (std::int32_t t = 0; t < episode.length(); ++t) {
+    const std::uint8_t flags = episode.flags[std::size_t(t)];
+    const int end = flags & ~kStepSuccess;
+    const bool last = t + 1 == episode.length();
+    const bool right =
+        last ? end == kStepTruncated || (end == kStepTerminated && spec.may_end_early()) : end == 0;
+    const bool success = (flags & kStepSuccess) != 0;
+    if (right && (spec.has_success() || !success)) continue;
+    return "step " + std::to_string(t) + " has flags " + std::to_string(flags);
   }
   return std::nullopt;
 }
@@ -84,20 +103,23 @@ struct Recomputation {
   const HeadSchedule& schedule;
   Policy& policy;
   ActionNoise noise;
+  std::size_t observation_size = std::size_t(config.environment().spec().observation_size());
+  std::size_t action_size = std::size_t(config.environment().spec().action_size());
 
   [[nodiscard]] const float* ObservationAt(std::int32_t t) const {
-    return episode.observation.data() + std::size_t(t) * kObservationSize;
+    return episode.observation.data() + std::size_t(t) * observation_size;
   }
 };
 
 std::optional<std::string> CheckStep(Recomputation& of, std::int32_t t,
-                                     const std::array<float, kActionSize>& mean) {
+                                     const Policy::Action& mean) {
   const Policy::Decision expected = of.policy.ActAround(of.schedule, mean, t, of.noise.At(t));
   const double tolerance = of.config.collection().check_tolerance();
   const auto at = std::size_t(t);
   bool equal = Equal(of.episode.log_prob[at], expected.log_prob, tolerance);
-  for (std::size_t i = 0; i < kActionSize; ++i) {
-    equal = equal && Equal(of.episode.action[at * kActionSize + i], expected.action[i], tolerance);
+  for (std::size_t i = 0; i < of.action_size; ++i) {
+    equal =
+        equal && Equal(of.episode.action[at * of.action_size + i], expected.action[i], tolerance);
   }
   if (equal) return std::nullopt;
   return "step " + std::to_string(t) + ": weights version " + std::to_string(of.policy.version()) +
@@ -138,11 +160,12 @@ std::optional<std::string> CheckEpisode(const Episode& episode, Policy& policy,
     return "weights version " + std::to_string(episode.weights_version) + " instead of " +
            std::to_string(policy.version());
   }
-  if (auto reason = CheckShape(episode, config)) return reason;
+  if (auto reason = CheckShape(episode, config.environment())) return reason;
   if (auto reason = CheckFinite(episode)) return reason;
   if (auto reason = CheckRange(episode)) return reason;
   const HeadSchedule schedule(config, TrainingEpisode(config, episode.number));
-  if (auto reason = CheckSchedule(episode, schedule)) return reason;
+  if (auto reason = CheckHeads(episode, schedule)) return reason;
+  if (auto reason = CheckFlags(episode, config.environment().spec())) return reason;
   Recomputation of{episode, config, schedule, policy, ActionNoise(config, episode.number)};
   return config.collection().check_share() >= 1 ? CheckEveryStep(of) : CheckSample(of, key);
 }

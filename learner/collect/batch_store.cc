@@ -5,10 +5,8 @@
 #include <utility>
 
 namespace metronome {
-BatchStore::BatchStore(std::uint64_t episodes_per_update, std::uint64_t updates_total,
-                       std::uint64_t updates_before)
+BatchStore::BatchStore(std::uint64_t episodes_per_update, std::uint64_t updates_before)
     : episodes_per_update_(episodes_per_update),
-      total_(updates_total * episodes_per_update),
       entered_(updates_before * episodes_per_update, 1),
       before_(entered_.size()) {}
 
@@ -55,9 +53,9 @@ void BatchStore::CountEntered(const std::vector<Episode>& batch) {
   }
 }
 
-BatchStore::Accounting BatchStore::Account() const {
+BatchStore::Accounting BatchStore::Account(std::uint64_t updates) const {
   Accounting accounting;
-  accounting.total = total_;
+  accounting.total = updates * episodes_per_update_;
   accounting.once = static_cast<std::uint64_t>(std::count(entered_.begin(), entered_.end(), 1U));
   accounting.entered = entered_.size() -
                        static_cast<std::uint64_t>(std::count(entered_.begin(), entered_.end(), 0U));

@@ -17,10 +17,8 @@ class BatchStore {
   using Batch = std::shared_ptr<const std::vector<Episode>>;
 
   /// @param episodes_per_update  E.
-  /// @param updates_total        batches of the whole run.
   /// @param updates_before       made before this process, as the checkpoint says.
-  BatchStore(std::uint64_t episodes_per_update, std::uint64_t updates_total,
-             std::uint64_t updates_before);
+  BatchStore(std::uint64_t episodes_per_update, std::uint64_t updates_before);
 
   /// @throws std::logic_error if the number is there already.
   void Put(Episode episode);
@@ -37,17 +35,17 @@ class BatchStore {
   void CountEntered(const std::vector<Episode>& batch);
 
   struct Accounting {
-    std::uint64_t total = 0;          // numbers of the run
+    std::uint64_t total = 0;          // numbers of the updates made
     std::uint64_t entered = 0;        // numbers that entered an update
     std::uint64_t once = 0;           // of these: exactly one
     std::uint64_t before_resume = 0;  // of these: as the checkpoint says
     [[nodiscard]] bool exact() const { return once == total && entered == total; }
   };
-  [[nodiscard]] Accounting Account() const;
+  /// @param updates  made, all starts together.
+  [[nodiscard]] Accounting Account(std::uint64_t updates) const;
 
  private:
   std::uint64_t episodes_per_update_;
-  std::uint64_t total_;                 // numbers of the run
   std::vector<std::uint32_t> entered_;  // updates that each number has entered, as far as it goes
   std::uint64_t before_;                // numbers used before this process
   std::map<std::uint64_t, Episode> making_;

@@ -37,7 +37,7 @@ Collector::Collector(LearnerBus& bus, const Algorithm& algorithm, const RunDescr
       registry_(description, digest, &bus, &trust_),
       book_(rules.orders),
       plan_(rules.orders, &book_, &trust_),
-      batches_(rules_.episodes_per_update, rules_.updates_total, rules_.first_version),
+      batches_(rules_.episodes_per_update, rules_.first_version),
       desk_(rules.audit, &book_, &plan_, &batches_) {}
 
 void Collector::OnStatus(const ActorStatus& status, TimePoint now) {

@@ -8,6 +8,7 @@
 
 #include "common/messages/bus.h"
 #include "common/messages/messages.h"
+#include "learner/algorithm/algorithm.h"
 #include "learner/collect/actor_registry.h"
 #include "learner/collect/audit_desk.h"
 #include "learner/collect/batch_store.h"
@@ -16,7 +17,6 @@
 #include "learner/collect/orders/number_book.h"
 #include "learner/collect/orders/order_plan.h"
 #include "learner/collect/trust/trust.h"
-#include "learner/algorithm/algorithm.h"
 
 namespace metronome {
 
@@ -71,7 +71,10 @@ class Collector {
   }
   /// What the audit found; empty if nothing is audited.
   [[nodiscard]] std::string AuditText() const { return desk_.Text(excluded()); }
-  [[nodiscard]] BatchStore::Accounting Account() const { return batches_.Account(); }
+  /// @param updates  made, all starts together.
+  [[nodiscard]] BatchStore::Accounting Account(std::uint64_t updates) const {
+    return batches_.Account(updates);
+  }
   /// For whoever keeps them.
   [[nodiscard]] const std::string& digest() const { return registry_.digest(); }
   [[nodiscard]] const ExcludedHosts& excluded() const { return trust_.excluded(); }

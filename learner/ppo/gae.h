@@ -17,7 +17,7 @@ struct GaeResult {
 /// Generalized advantage estimation over one whole episode of T steps.
 /// @param reward       [T], after scaling.
 /// @param value        [T], V(s_t).
-/// @param final_value  V(s_T): 0 where the horizon is finite or s_T is absorbing.
+/// @param final_value  V(s_T): 0 where nothing follows, be it that s_T is absorbing or the horizon.
 /// @throws std::invalid_argument if the lengths differ.
 /// Source: Schulman et al., arXiv:1506.02438, eq. 16, in its backward form.
 GaeResult ComputeGae(const std::vector<float>& reward, const std::vector<float>& value,

@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::size_t kSlice = 4096;  // parameters per task of Adam
 
+using ActionArray = std::array<float, kMaxActionSize>;  // the first shape.action numbers count
+
 struct Shard {
   std::vector<HeadRun> runs;
   std::vector<HeadRun> value_runs;  // the critic's
@@ -136,16 +138,16 @@ struct MinibatchStep::Impl {
     const std::uint32_t* samples = ordered.data() + s * kShardSamples;
     Gather(batch.input, samples, ShardSize(s), group.actor_input);
     const Eigen::MatrixXf& mean = group.actor.Forward(parameters, group.actor_input, runs);
-    group.d_mean.resize(kActionSize, mean.cols());
-    std::vector<std::array<float, kActionSize>> d_log_std(runs.size());
+    group.d_mean.resize(shape.action, mean.cols());
+    std::vector<ActionArray> d_log_std(runs.size());
     for (std::size_t r = 0; r < runs.size(); ++r) {
       PolicyRun(batch, parameters, samples, mean, runs[r], group, d_log_std[r]);
     }
     group.actor.Backward(parameters, group.actor_input, runs, group.d_mean, gradient);
     for (std::size_t r = 0; r < runs.size(); ++r) {
       float* gradient_of =
-          gradient + actor_layout.log_std + std::size_t(runs[r].head) * kActionSize;
-      for (int i = 0; i < kActionSize; ++i) {
+          gradient + actor_layout.log_std + std::size_t(runs[r].head) * std::size_t(shape.action);
+      for (int i = 0; i < shape.action; ++i) {
         gradient_of[i] +=
             (d_log_std[r][i] - entropy_coefficient * float(runs[r].count)) * inv_samples;
       }
@@ -155,11 +157,12 @@ struct MinibatchStep::Impl {
   // The loss over the columns of one head: fills d_mean's columns and the head's log-std gradient.
   void PolicyRun(const TrainingBatch& batch, const float* parameters, const std::uint32_t* samples,
                  const Eigen::MatrixXf& mean, const HeadRun& run, Group& group,
-                 std::array<float, kActionSize>& d_log_std) const {
+                 ActionArray& d_log_std) const {
     HeadSums& sums = group.heads[std::size_t(run.head)];
-    const float* log_std = parameters + actor_layout.log_std + std::size_t(run.head) * kActionSize;
-    std::array<float, kActionSize> std{};
-    for (int i = 0; i < kActionSize; ++i) std[i] = std::exp(log_std[i]);
+    const float* log_std =
+        parameters + actor_layout.log_std + std::size_t(run.head) * std::size_t(shape.action);
+    ActionArray std{};
+    for (int i = 0; i < shape.action; ++i) std[i] = std::exp(log_std[i]);
     for (std::int32_t c = run.begin; c < run.begin + run.count; ++c) {
       const std::uint32_t sample = samples[c];
       PolicySample input;
@@ -168,9 +171,9 @@ struct MinibatchStep::Impl {
       input.behaviour_weight =
           std::exp(batch.proximal_log_prob[sample] - batch.behaviour_log_prob[sample]);
       input.advantage = (batch.advantage[sample] - advantage.mean) * advantage.inv_std;
-      const PolicyLoss loss =
-          ComputePolicyLoss(input, mean.col(c).data(), std.data(), log_std, float(ppo.clip()));
-      for (int i = 0; i < kActionSize; ++i) {
+      const PolicyLoss loss = ComputePolicyLoss(input, mean.col(c).data(), std.data(), log_std,
+                                                shape.action, float(ppo.clip()));
+      for (int i = 0; i < shape.action; ++i) {
         group.d_mean(i, c) = loss.d_mean[i] * inv_samples;
         d_log_std[i] += loss.d_log_std[i];
       }
@@ -179,7 +182,7 @@ struct MinibatchStep::Impl {
       sums.clipped += loss.clipped ? 1 : 0;
     }
     sums.samples += run.count;
-    group.entropy += double(GaussianEntropy(log_std)) * run.count;
+    group.entropy += double(GaussianEntropy(log_std, shape.action)) * run.count;
   }
 
   void CriticTask(const TrainingBatch& batch, const float* parameters, std::size_t g) {

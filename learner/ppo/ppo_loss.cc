@@ -8,9 +8,10 @@
 namespace metronome {
 
 PolicyLoss ComputePolicyLoss(const PolicySample& sample, const float* mean, const float* std,
-                             const float* log_std, float clip) {
+                             const float* log_std, std::int32_t size, float clip) {
   PolicyLoss result;
-  result.log_ratio = GaussianLogProb(sample.action, mean, std, log_std) - sample.proximal_log_prob;
+  result.log_ratio =
+      GaussianLogProb(sample.action, mean, std, log_std, size) - sample.proximal_log_prob;
   const float ratio = std::exp(result.log_ratio);
   const float bounded = std::clamp(ratio, 1 - clip, 1 + clip);
   result.clipped = bounded != ratio;
@@ -20,7 +21,7 @@ PolicyLoss ComputePolicyLoss(const PolicySample& sample, const float* mean, cons
   // Where the clipped branch is the smaller one the objective is flat.
   if (plain > pessimistic) return result;
   const float d_log_prob = -sample.behaviour_weight * plain;
-  for (int i = 0; i < kActionSize; ++i) {
+  for (std::int32_t i = 0; i < size; ++i) {
     const float z = (sample.action[i] - mean[i]) / std[i];
     result.d_mean[i] = d_log_prob * z / std[i];
     result.d_log_std[i] = d_log_prob * (z * z - 1);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "common/messages/episode.h"
 
@@ -8,7 +9,7 @@ namespace metronome {
 
 /// What the clipped objective needs of one sample besides the policy's current output.
 struct PolicySample {
-  const float* action = nullptr;  // [4], unclipped
+  const float* action = nullptr;  // [size], unclipped
   float proximal_log_prob = 0;    // under the parameters at the start of the update
   float behaviour_weight = 1;     // pi_proximal / pi_behaviour; 1 without overlap
   float advantage = 0;            // normalised
@@ -16,18 +17,19 @@ struct PolicySample {
 
 /// Loss of one sample and its derivatives.
 struct PolicyLoss {
-  float loss = 0;        // -weight * min(r A, clip(r, 1 - c, 1 + c) A)
-  float log_ratio = 0;   // new minus proximal log-probability
-  bool clipped = false;  // r left [1 - c, 1 + c]
-  std::array<float, kActionSize> d_mean{};
-  std::array<float, kActionSize> d_log_std{};
+  float loss = 0;                              // -weight * min(r A, clip(r, 1 - c, 1 + c) A)
+  float log_ratio = 0;                         // new minus proximal log-probability
+  bool clipped = false;                        // r left [1 - c, 1 + c]
+  std::array<float, kMaxActionSize> d_mean{};  // the first `size` of both count
+  std::array<float, kMaxActionSize> d_log_std{};
 };
 
 /// Decoupled PPO objective (Hilton et al., arXiv:2110.00641, eq. 2): importance weight towards the
 /// behaviour policy, clip around the proximal one. With equal policies it is PPO's clipped
 /// surrogate (Schulman et al., arXiv:1707.06347, eq. 7).
-/// @param mean, std, log_std  [4] of the sample's head under the current parameters.
+/// @param size                of an action.
+/// @param mean, std, log_std  [size] of the sample's head under the current parameters.
 PolicyLoss ComputePolicyLoss(const PolicySample& sample, const float* mean, const float* std,
-                             const float* log_std, float clip);
+                             const float* log_std, std::int32_t size, float clip);
 
 }  // namespace metronome

@@ -89,9 +89,9 @@ void FillHeadSpread(const RunConfig& config, const std::vector<float>& parameter
   for (std::int32_t head = 0; head < shape.heads; ++head) {
     double std = 0;
     double entropy = 0;
-    for (int i = 0; i < kActionSize; ++i) {
-      const double value = log_std[head * kActionSize + i];
-      std += std::exp(value) / kActionSize;
+    for (std::int32_t i = 0; i < shape.action; ++i) {
+      const double value = log_std[head * shape.action + i];
+      std += std::exp(value) / shape.action;
       entropy += value + 0.5 * (1 + std::log(2 * M_PI));
     }
     report.head_std.push_back(std);
@@ -171,9 +171,10 @@ struct Trainer::Impl {
                                  state.parameters.begin() + std::ptrdiff_t(actor_size()));
       next.previous_observation = state.observation;
     }
+    const auto observations = std::size_t(ShapeOf(config).observation);
     for (const Episode& episode : batch) {
       Merge(next.observation, episode.observation.data(), std::size_t(episode.length()),
-            kObservationSize, kObservationSize);
+            observations, observations);
     }
     static_cast<RunCounters&>(next) = CountersAfter(state, batch);
   }

@@ -13,11 +13,11 @@
 namespace metronome {
 namespace {
 
-// Columns 0..T of an episode by head, in time order; a head may come again. Column T goes to the
-// head of the last step.
-std::vector<HeadRun> EpisodeRuns(const HeadSchedule& schedule) {
+// Columns 0..L of an episode of L steps by head, in time order; a head may come again. Column L
+// goes to the head that values the final observation.
+std::vector<HeadRun> EpisodeRuns(const HeadSchedule& schedule, std::int32_t length) {
   std::vector<HeadRun> runs;
-  for (std::int32_t t = 0; t <= schedule.horizon(); ++t) {
+  for (std::int32_t t = 0; t <= length; ++t) {
     const std::int32_t head = schedule.ValueHeadAt(t);
     if (runs.empty() || runs.back().head != head) runs.push_back({head, t, 0});
     ++runs.back().count;
@@ -25,44 +25,56 @@ std::vector<HeadRun> EpisodeRuns(const HeadSchedule& schedule) {
   return runs;
 }
 
+// What follows after the last step, if `value` is that of the final observation. An episode that
+// was cut short would have gone on: its end says nothing of what comes.
+float FinalValue(const Episode& episode, const RunConfig& config, float value) {
+  if ((episode.flags.back() & kStepTerminated) != 0) return 0;
+  if (episode.length() < config.environment().horizon()) return value;
+  return config.ppo().time_limit_value() == BOOTSTRAP ? value : 0;
+}
+
+// Where each episode's samples begin, and behind the last where they end.
+std::vector<std::size_t> BeginsOf(const std::vector<Episode>& episodes) {
+  std::vector<std::size_t> begins = {0};
+  for (const Episode& episode : episodes) {
+    begins.push_back(begins.back() + std::size_t(episode.length()));
+  }
+  return begins;
+}
+
 class Builder {
  public:
-  Builder(const BatchSource& source, TrainingBatch& batch)
-      : source_(source),
-        batch_(batch),
-        shape_(ShapeOf(source.config)),
-        horizon_(static_cast<std::size_t>(source.config.environment().horizon())) {}
+  Builder(const BatchSource& source, const std::vector<std::size_t>& begins, TrainingBatch& batch)
+      : source_(source), begins_(begins), batch_(batch), shape_(ShapeOf(source.config)) {}
 
   // Fills the samples of one episode; episodes are independent.
   void Fill(std::size_t index) const {
     const Episode& episode = source_.episodes[index];
-    const std::size_t begin = index * horizon_;
+    const std::size_t begin = begins_[index];
+    const auto first = Eigen::Index(begin);
+    const auto length = Eigen::Index(episode.length());
     const Eigen::MatrixXf input = Input(episode);
-    batch_.input.middleCols(Eigen::Index(begin), Eigen::Index(horizon_)) =
-        input.leftCols(Eigen::Index(horizon_));
-    batch_.action.middleCols(Eigen::Index(begin), Eigen::Index(horizon_)) =
-        Eigen::Map<const Eigen::MatrixXf>(episode.action.data(), kActionSize,
-                                          Eigen::Index(horizon_));
+    batch_.input.middleCols(first, length) = input.leftCols(length);
+    batch_.action.middleCols(first, length) =
+        Eigen::Map<const Eigen::MatrixXf>(episode.action.data(), shape_.action, length);
     std::copy(episode.log_prob.begin(), episode.log_prob.end(),
-              batch_.behaviour_log_prob.begin() + std::ptrdiff_t(begin));
-    std::copy(episode.head.begin(), episode.head.end(),
-              batch_.head.begin() + std::ptrdiff_t(begin));
-    const std::vector<HeadRun> runs =
-        EpisodeRuns({source_.config, TrainingEpisode(source_.config, episode.number)});
+              batch_.behaviour_log_prob.begin() + first);
+    std::copy(episode.head.begin(), episode.head.end(), batch_.head.begin() + first);
+    const std::vector<HeadRun> runs = EpisodeRuns(
+        {source_.config, TrainingEpisode(source_.config, episode.number)}, episode.length());
     FillAdvantages(episode, input, runs, begin);
     FillProximal(episode, input, runs, begin);
   }
 
  private:
   Eigen::MatrixXf Input(const Episode& episode) const {
-    Eigen::MatrixXf input(shape_.input(), Eigen::Index(horizon_ + 1));
+    Eigen::MatrixXf input(shape_.input(), Eigen::Index(episode.length()) + 1);
     const auto clip = static_cast<float>(source_.config.policy().observation_clip());
-    const auto horizon = static_cast<std::int32_t>(horizon_);
-    for (std::int32_t t = 0; t <= horizon; ++t) {
-      WriteInput(shape_, episode.observation.data() + std::size_t(t) * kObservationSize,
-                 source_.behaviour.observation_mean.data(),
-                 source_.behaviour.observation_inv_std.data(), clip, t, horizon,
-                 input.col(t).data());
+    for (std::int32_t t = 0; t <= episode.length(); ++t) {
+      WriteInput(
+          shape_, episode.observation.data() + std::size_t(t) * std::size_t(shape_.observation),
+          source_.behaviour.observation_mean.data(), source_.behaviour.observation_inv_std.data(),
+          clip, t, source_.config.environment().horizon(), input.col(t).data());
     }
     return input;
   }
@@ -72,13 +84,11 @@ class Builder {
     Mlp critic(CriticLayout(shape_));
     const float* parameters = source_.parameters + ActorLayout(shape_).size;
     const Eigen::MatrixXf& value = critic.Forward(parameters, input, ValueRuns(runs, shape_));
-    std::vector<float> values(value.data(), value.data() + horizon_);
+    std::vector<float> values(value.data(), value.data() + episode.length());
     std::vector<float> rewards = LearningReward(episode, source_.config.ppo());
     for (float& reward : rewards) reward /= source_.reward_scale;
-    // No last state is absorbing: the check of episodes refuses kStepTerminated.
     const PpoConfig& ppo = source_.config.ppo();
-    const float final_value =
-        ppo.time_limit_value() == BOOTSTRAP ? value(0, Eigen::Index(horizon_)) : 0.0F;
+    const float final_value = FinalValue(episode, source_.config, value(0, episode.length()));
     const GaeResult gae =
         ComputeGae(rewards, values, final_value, {ppo.discount(), ppo.gae_lambda()});
     const auto at = std::ptrdiff_t(begin);
@@ -98,20 +108,22 @@ class Builder {
     }
     Mlp actor(ActorLayout(shape_));
     const Eigen::MatrixXf& mean = actor.Forward(source_.parameters, input, runs);
-    for (std::size_t t = 0; t < horizon_; ++t) {
+    const auto actions = std::size_t(shape_.action);
+    for (std::size_t t = 0; t < std::size_t(episode.length()); ++t) {
       const float* log_std =
-          source_.parameters + actor.layout().log_std + std::size_t(episode.head[t]) * kActionSize;
-      std::array<float, kActionSize> std{};
-      for (int i = 0; i < kActionSize; ++i) std[i] = std::exp(log_std[i]);
-      proximal[t] = GaussianLogProb(episode.action.data() + t * kActionSize,
-                                    mean.col(Eigen::Index(t)).data(), std.data(), log_std);
+          source_.parameters + actor.layout().log_std + std::size_t(episode.head[t]) * actions;
+      std::array<float, kMaxActionSize> std{};
+      for (std::int32_t i = 0; i < shape_.action; ++i) std[i] = std::exp(log_std[i]);
+      proximal[t] =
+          GaussianLogProb(episode.action.data() + t * actions, mean.col(Eigen::Index(t)).data(),
+                          std.data(), log_std, shape_.action);
     }
   }
 
   const BatchSource& source_;
+  const std::vector<std::size_t>& begins_;
   TrainingBatch& batch_;
   NetworkShape shape_;
-  std::size_t horizon_;
 };
 
 double Variance(const std::vector<double>& values) {
@@ -133,17 +145,18 @@ double ExplainedVariance(const std::vector<float>& target, const std::vector<flo
 }  // namespace
 
 TrainingBatch BuildBatch(const BatchSource& source, WorkerTeam& team) {
-  const auto horizon = static_cast<std::size_t>(source.config.environment().horizon());
-  const std::size_t size = source.episodes.size() * horizon;
+  const std::vector<std::size_t> begins = BeginsOf(source.episodes);
+  const std::size_t size = begins.back();
   TrainingBatch batch;
-  batch.input.resize(ShapeOf(source.config).input(), Eigen::Index(size));
-  batch.action.resize(kActionSize, Eigen::Index(size));
+  const NetworkShape shape = ShapeOf(source.config);
+  batch.input.resize(shape.input(), Eigen::Index(size));
+  batch.action.resize(shape.action, Eigen::Index(size));
   for (auto* values : {&batch.behaviour_log_prob, &batch.proximal_log_prob, &batch.value,
                        &batch.advantage, &batch.target}) {
     values->resize(size);
   }
   batch.head.resize(size);
-  const Builder builder(source, batch);
+  const Builder builder(source, begins, batch);
   team.Run(source.episodes.size(), [&](std::size_t index) { builder.Fill(index); });
   batch.explained_variance = ExplainedVariance(batch.target, batch.value);
   return batch;

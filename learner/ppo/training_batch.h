@@ -12,10 +12,11 @@
 
 namespace metronome {
 
-/// The N = E * T samples of one update, in episode and time order, ready for the epochs.
+/// The N samples of one update, all steps of its E episodes, in episode and time order, ready for
+/// the epochs.
 struct TrainingBatch {
   Eigen::MatrixXf input;                  // [network inputs, N], normalised
-  Eigen::MatrixXf action;                 // [4, N]
+  Eigen::MatrixXf action;                 // [A, N]
   std::vector<float> behaviour_log_prob;  // [N], as the actors said (and the check confirmed)
   std::vector<float> proximal_log_prob;   // [N], under the parameters at the update's start
   std::vector<float> value;               // [N], by the critic at the update's start

@@ -26,21 +26,25 @@ std::string ClockText(double seconds) {
 
 ProgressPrinter::ProgressPrinter(ProgressStyle style, RunFacts facts,
                                  std::function<void(std::string)> say)
-    : style_(style), facts_(std::move(facts)), say_(std::move(say)) {}
+    : style_(style),
+      facts_(std::move(facts)),
+      updates_total_(facts_.length.updates),
+      say_(std::move(say)) {}
 
 void ProgressPrinter::Started(std::uint64_t version, std::uint64_t steps) {
+  updates_total_ = facts_.length.UpdatesAt(version, steps);
   if (style_ == ProgressStyle::kLines) {
     Say(fmt::format("run {} (start {}): update {} of {}, results in {}", facts_.run,
-                    facts_.incarnation, version, facts_.updates_total, facts_.path));
+                    facts_.incarnation, version, updates_total_, facts_.path));
   } else if (style_ == ProgressStyle::kJson) {
     Say(TextOf({{"event", "started"},
                 {"run", facts_.run},
                 {"incarnation", facts_.incarnation},
                 {"path", facts_.path},
                 {"update", version},
-                {"updates_total", facts_.updates_total},
+                {"updates_total", updates_total_},
                 {"steps", steps},
-                {"total_steps", facts_.total_steps},
+                {"total_steps", facts_.length.total_steps},
                 {"domain", facts_.domain},
                 {"transport", facts_.transport},
                 {"network", facts_.network},
@@ -51,19 +55,20 @@ void ProgressPrinter::Started(std::uint64_t version, std::uint64_t steps) {
 }
 
 void ProgressPrinter::Updated(const UpdateReport& report, const WallReport& wall) {
+  updates_total_ = facts_.length.UpdatesAt(report.version, report.steps);
   const double fps = StepsPerSecond(report.steps, wall.seconds);
-  const double eta = SecondsLeft(report.steps, facts_.total_steps, fps);
+  const double eta = SecondsLeft(report.steps, facts_.length.total_steps, fps);
   if (style_ == ProgressStyle::kLines) {
     Say(
         fmt::format("update {:>4}/{}  {:>8}/{} steps  return {:8.1f}  success {:.2f}  "
                     "{:6.0f} steps/s  {} actors  {} left",
-                    report.version, facts_.updates_total, report.steps, facts_.total_steps,
+                    report.version, updates_total_, report.steps, facts_.length.total_steps,
                     report.mean_return, report.success, fps, wall.actors, ClockText(eta)));
   } else if (style_ == ProgressStyle::kJson) {
     Say(TextOf({{"update", report.version},
-                {"updates_total", facts_.updates_total},
+                {"updates_total", updates_total_},
                 {"steps", report.steps},
-                {"total_steps", facts_.total_steps},
+                {"total_steps", facts_.length.total_steps},
                 {"return", report.mean_return},
                 {"success", report.success},
                 {"success_end", report.success_end},
@@ -92,8 +97,7 @@ void ProgressPrinter::Finished(const std::string& accounting, const std::string&
 }
 
 void ProgressPrinter::Interrupted(std::uint64_t version, const std::string& checkpoint) {
-  const std::string message =
-      fmt::format("stopped after update {} of {}", version, facts_.updates_total);
+  const std::string message = fmt::format("stopped after update {} of {}", version, updates_total_);
   if (style_ == ProgressStyle::kLines) {
     Say(message + "; go on with --resume; checkpoint " + checkpoint);
   } else if (style_ == ProgressStyle::kJson) {

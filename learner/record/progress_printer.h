@@ -6,6 +6,7 @@
 
 #include "learner/algorithm/update_report.h"
 #include "learner/record/metrics.h"
+#include "learner/record/run_length.h"
 
 namespace metronome {
 
@@ -16,9 +17,8 @@ struct RunFacts {
   std::string run;
   std::string path;  // of its folder
   std::uint64_t incarnation = 0;
-  std::uint64_t updates_total = 0;
-  std::uint64_t total_steps = 0;  // environment steps, whole updates
-  std::string network;            // how actors join: domain, transport, network, Discovery Servers
+  RunLength length;
+  std::string network;  // how actors join: domain, transport, network, Discovery Servers
   std::string transport;
   std::string discovery_server;
   std::uint32_t domain = 0;
@@ -45,6 +45,7 @@ class ProgressPrinter {
 
   ProgressStyle style_;
   RunFacts facts_;
+  std::uint64_t updates_total_;  // as far as it is known
   std::function<void(std::string)> say_;
 };
 

@@ -36,6 +36,7 @@ Coordinator::Coordinator(CoordinatorSetup setup, LearnerBus& bus, Algorithm& alg
       status_(setup_.status, setup_.description, setup_.rules),
       exclusions_kept_(setup_.excluded.size()),
       version_(algorithm.counters().version),
+      steps_(algorithm.counters().steps),
       update_(&algorithm, &background, now_, [&bus] { bus.Wake(); }) {
   if (!setup_.resumed) return;
   saved_version_ = version_;
@@ -111,7 +112,7 @@ void Coordinator::PublishState(bool previous_too) {
 }
 
 void Coordinator::Serve() {
-  while (!ending_ && version_ < setup_.rules.updates_total) {
+  while (!ending_ && !IsFinished()) {
     ServeOnce();
     if (stop_signal_ != 0) ending_ = kExitSignalBase + stop_signal_;
     if (const auto reason = rivals_.MustStop(now_())) {
@@ -191,6 +192,10 @@ void Coordinator::CallForActors(TimePoint now) {
   spdlog::info("waiting for actors; start one with: {}", setup_.how_to_join);
 }
 
+bool Coordinator::IsFinished() const {
+  return version_ >= setup_.rules.updates_total || steps_ >= setup_.total_steps;
+}
+
 LearnerStatus::State Coordinator::StateNow() const {
   if (update_.runs()) return LearnerStatus::State::kUpdating;
   return !collector_.roster().actors().empty() ? LearnerStatus::State::kCollecting
@@ -204,7 +209,7 @@ void Coordinator::PublishStatus(LearnerStatus::State state) {
 }
 
 void Coordinator::StartUpdateIfReady() {
-  if (ending_ || update_.runs() || version_ >= setup_.rules.updates_total ||
+  if (ending_ || update_.runs() || IsFinished() ||
       collector_.AcceptedOf(version_) < setup_.rules.episodes_per_update) {
     return;
   }
@@ -221,16 +226,16 @@ void Coordinator::FinishUpdateIfDone() {
     OnUpdateFailed(outcome->error);
     return;
   }
+  steps_ = algorithm_.counters().steps;
   collector_.Publish(++version_, *outcome->collected.batch, now_());
   PublishState(false);
   const TrainState state = CopyState();
   // Actors and the next update go on while the disk is busy.
-  if (!ending_) collector_.SendOrders(now_());
+  if (!ending_ && !IsFinished()) collector_.SendOrders(now_());
   StartUpdateIfReady();
   TellProgress(*outcome, state);
   const bool milestone = setup_.milestone_every > 0 && version_ % setup_.milestone_every == 0;
-  if (version_ % setup_.checkpoint_every == 0 || milestone ||
-      version_ == setup_.rules.updates_total) {
+  if (version_ % setup_.checkpoint_every == 0 || milestone || IsFinished()) {
     Save(state);
   }
 }
@@ -316,7 +321,8 @@ int Coordinator::End() {
   if (*ending_ > kExitSignalBase && !saved) ending_ = kExitFailure;  // Save has said what is kept
   if (saved) {
     spdlog::info("stopped after update {} of {}; the last good checkpoint is {}", state.version,
-                 setup_.rules.updates_total, record_.LatestCheckpoint());
+                 setup_.status.length.UpdatesAt(state.version, state.steps),
+                 record_.LatestCheckpoint());
   }
   if (*ending_ > kExitSignalBase) record_.Interrupted(state);
   PublishStatus(LearnerStatus::State::kStopped);
@@ -324,7 +330,7 @@ int Coordinator::End() {
 }
 
 int Coordinator::EndFinished(const TrainState& state) {
-  const bool exact = collector_.Account().exact();
+  const bool exact = collector_.Account(version_).exact();
   const std::string accounting = AccountingText();
   if (!exact) spdlog::error("{}", accounting);
   if (const std::string audit = collector_.AuditText(); !audit.empty()) spdlog::info("{}", audit);
@@ -349,7 +355,7 @@ void Coordinator::Farewell() {
 }
 
 std::string Coordinator::AccountingText() const {
-  const BatchStore::Accounting accounting = collector_.Account();
+  const BatchStore::Accounting accounting = collector_.Account(version_);
   const EpisodeCounts& counts = collector_.counts();
   std::string text = accounting.exact() ? "every episode number entered exactly one update: "
                                         : "NOT every episode number entered exactly one update: ";

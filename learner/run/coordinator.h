@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -23,7 +24,9 @@ namespace metronome {
 /// What a coordinator is told once.
 struct CoordinatorSetup {
   RunDescription description;  // serving and finished are the coordinator's to set
-  OrderRules rules;
+  OrderRules rules;  // updates_total: where episodes end early, more than there ever will be
+  /// Of the environment: the run ends with the update that reaches them, or with the last one.
+  std::uint64_t total_steps = std::numeric_limits<std::uint64_t>::max();
   TrustRules trust;
   AuditRules audit;
   ExcludedHosts excluded;        // by earlier starts
@@ -76,6 +79,7 @@ class Coordinator {
   void CallForActors(TimePoint now);
   void PublishStatus(LearnerStatus::State state);
   [[nodiscard]] LearnerStatus::State StateNow() const;
+  [[nodiscard]] bool IsFinished() const;  // with learning; what is left is to say so
 
   void StartUpdateIfReady();
   void FinishUpdateIfDone();
@@ -103,6 +107,7 @@ class Coordinator {
   std::size_t exclusions_kept_;
   TimePoint keep_exclusions_from_;  // after one that could not be written
   std::uint64_t version_;           // updates made and published
+  std::uint64_t steps_;             // of the environment, in these updates
   std::optional<std::uint64_t> saved_version_;
   TimePoint serving_since_;
   std::map<std::uint64_t, TimePoint> published_;  // when each of the last versions went out

@@ -52,9 +52,9 @@ void RequireSameNetwork(const Checkpoint& source, const RunConfig& config) {
 
 }  // namespace
 
-Checkpoint LoadInitialWeights(const RunConfig& config) {
+Checkpoint LoadInitialWeights(const RunConfig& config, const SpecSource& specs) {
   try {
-    Checkpoint source = LoadCheckpoint(config.policy().initial_weights());
+    Checkpoint source = LoadCheckpoint(config.policy().initial_weights(), specs);
     RequireSameAlgorithm(source, config);
     RequireSameNetwork(source, config);
     return source;
@@ -67,7 +67,8 @@ TrainingDifferences DifferencesFrom(const Checkpoint& source, const RunConfig& c
   TrainingDifferences differences;
   const Texts there = TextsOf(source.config);
   for (const auto& [path, here] : TextsOf(config)) {
-    const bool of_environment = path.starts_with("environment.");
+    const bool of_environment =
+        path.starts_with("environment.") && !path.starts_with("environment.spec.");
     const bool of_heads = path == "policy.schedule" && config.policy().heads() > 1;
     const bool of_policy = of_heads || path == "policy.observation_clip" ||
                            path == "policy.observation_epsilon" ||

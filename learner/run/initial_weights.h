@@ -9,10 +9,10 @@
 /// policy.initial_weights (--from): a new run that begins with the weights of another one.
 namespace metronome {
 
-/// The checkpoint that `config` (resolved) names.
+/// The checkpoint that `config` (resolved) names. @param specs  see DecodeCheckpoint.
 /// @throws ConfigError if it cannot be used, or if its algorithm or network is another one: names
 ///         algorithm, method, heads or sizes.
-Checkpoint LoadInitialWeights(const RunConfig& config);
+Checkpoint LoadInitialWeights(const RunConfig& config, const SpecSource& specs);
 
 /// How else the weights were trained than this run, with this engine, will train them: a line for
 /// each difference of the environment, of the policy and of the engine.

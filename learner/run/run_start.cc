@@ -25,7 +25,8 @@ void TellSource(const Checkpoint& source, const RunConfig& config) {
   }
 }
 
-RunStart FreshStart(const RunConfig& config, const AlgorithmFactory& factory) {
+RunStart FreshStart(const RunRequest& request, const AlgorithmFactory& factory) {
+  const RunConfig& config = request.config;
   RunStart start;
   start.checkpoint.config = config;
   start.checkpoint.engine = EngineName();
@@ -33,7 +34,7 @@ RunStart FreshStart(const RunConfig& config, const AlgorithmFactory& factory) {
     start.checkpoint.state = factory.InitialState(config, nullptr);
     return start;
   }
-  const Checkpoint source = LoadInitialWeights(config);
+  const Checkpoint source = LoadInitialWeights(config, request.specs);
   try {
     start.checkpoint.state = factory.InitialState(config, &source.state);
   } catch (const UnusableState& error) {
@@ -87,14 +88,14 @@ void Tell(const FoundCheckpoint& found) {
 }  // namespace
 
 RunStart StartOf(const RunRequest& request, const AlgorithmFactory& factory) {
-  if (!request.resume) return FreshStart(request.config, factory);
+  if (!request.resume) return FreshStart(request, factory);
   const std::string folder = request.folder + "/checkpoints";
-  auto found = FindNewestCheckpoint(folder);
+  auto found = FindNewestCheckpoint(folder, request.specs);
   if (!found) {
     RequireNoProgress(request, folder);
     // Killed before its first checkpoint, so before its first order: nothing is lost.
     spdlog::info("run {} has no checkpoint yet: it begins at version 0", request.run);
-    return FreshStart(request.config, factory);
+    return FreshStart(request, factory);
   }
   RequireSameRun(*found, request);
   Tell(*found);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/checkpoint/checkpoint.h"
+#include "common/config/environment_spec.h"
 #include "common/schema/config.pb.h"
 #include "learner/algorithm/algorithm_factory.h"
 
@@ -16,6 +17,7 @@ struct RunRequest {
   std::string folder;  // RUNS_DIR/NAME; may not exist yet
   bool resume = false;
   RunConfig config;  // resolved and valid; with `resume` the run's own, runtime as asked for
+  SpecSource specs;  // asked what the environments of older checkpoints are like
 };
 
 /// The run cannot be served as asked, and starting again does not help.

@@ -8,7 +8,8 @@
 namespace metronome {
 
 StatusReport::StatusReport(StatusFacts facts, const RunDescription& description,
-                           const OrderRules& rules) {
+                           const OrderRules& rules)
+    : length_(facts.length) {
   status_.incarnation = description.incarnation;
   status_.learner_id = description.learner_id;
   status_.run_name = description.run_name;
@@ -16,8 +17,7 @@ StatusReport::StatusReport(StatusFacts facts, const RunDescription& description,
   status_.engine = description.engine;
   status_.host = std::move(facts.host);
   status_.pid = facts.pid;
-  status_.updates_total = rules.updates_total;
-  status_.total_steps = facts.total_steps;
+  status_.total_steps = length_.total_steps;
   status_.episodes_per_update = rules.episodes_per_update;
 }
 
@@ -25,6 +25,7 @@ void StatusReport::Begin(std::uint64_t version, std::uint64_t steps, double seco
                          TimePoint now) {
   status_.version = version;
   status_.steps = steps;
+  status_.updates_total = length_.UpdatesAt(version, steps);
   seconds_before_ = seconds_before;
   begun_ = now;
   due_ = now;
@@ -33,6 +34,7 @@ void StatusReport::Begin(std::uint64_t version, std::uint64_t steps, double seco
 void StatusReport::Updated(const UpdateReport& report, const WallReport& wall) {
   status_.version = report.version;
   status_.steps = report.steps;
+  status_.updates_total = length_.UpdatesAt(report.version, report.steps);
   status_.mean_return = report.mean_return;
   status_.success = report.success;
   status_.success_end = report.success_end;

@@ -7,6 +7,7 @@
 #include "learner/algorithm/update_report.h"
 #include "learner/collect/collector.h"
 #include "learner/record/metrics.h"
+#include "learner/record/run_length.h"
 
 namespace metronome {
 
@@ -15,7 +16,7 @@ struct StatusFacts {
   std::string task;
   std::string host;
   std::uint32_t pid = 0;
-  std::uint64_t total_steps = 0;  // of the environment, in the whole run
+  RunLength length;
 };
 
 /// Makes the status that people watch, and knows when the next one is due. Not thread-safe.
@@ -40,6 +41,7 @@ class StatusReport {
  private:
   void SetRates(TimePoint now);
 
+  const RunLength length_;
   LearnerStatus status_;  // its last values; Make fills in the rest
   double seconds_before_ = 0;
   TimePoint begun_;

@@ -18,6 +18,7 @@
 #include "learner/ppo/trainer.h"
 #include "learner/ppo/training_batch.h"
 #include "learner/ppo/worker_team.h"
+#include "tests/unit/support/environments.h"
 
 namespace metronome {
 namespace {
@@ -46,7 +47,7 @@ double Median(std::vector<double> values) {
 
 RunConfig ConfigOf(const Options& options) {
   RunConfig config;
-  config.mutable_environment()->set_task("push");
+  test::SetTask(config, "push");
   config.mutable_policy()->set_heads(options.heads);
   config.mutable_policy()->add_hidden(options.width);
   config.mutable_policy()->add_hidden(options.width);
@@ -64,13 +65,15 @@ Episode SyntheticEpisode(const RunConfig& config, Policy& policy, std::uint64_t 
   const std::int32_t horizon = config.environment().horizon();
   const HeadSchedule schedule(config, TrainingEpisode(config, number));
   RandomStream random(RandomPurpose::kEvaluate, 1, number, 0);
-  episode.observation.resize(std::size_t(horizon + 1) * kObservationSize);
+  episode.observation.resize(std::size_t(horizon + 1) * test::kObservationSize);
   for (float& value : episode.observation) value = float(random.Normal());
   ActionNoise noise(config, number);
   for (std::int32_t t = 0; t < horizon; ++t) {
-    const Policy::Decision decision = policy.Act(
-        schedule, episode.observation.data() + std::size_t(t) * kObservationSize, t, noise.At(t));
-    episode.action.insert(episode.action.end(), decision.action.begin(), decision.action.end());
+    const Policy::Decision decision =
+        policy.Act(schedule, episode.observation.data() + std::size_t(t) * test::kObservationSize,
+                   t, noise.At(t));
+    episode.action.insert(episode.action.end(), decision.action.begin(),
+                          decision.action.begin() + test::kActionSize);
     episode.log_prob.push_back(decision.log_prob);
     episode.head.push_back(std::uint16_t(decision.head));
     episode.reward.push_back(float(random.Uniform()));

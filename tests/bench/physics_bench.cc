@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "actor/metaworld/assets.h"
-#include "actor/metaworld/sawyer.h"
-#include "actor/metaworld/tasks/task_table.h"
+#include "actor/environment/mujoco_view.h"
+#include "actor/metaworld/engine/engine.h"
+#include "actor/metaworld/step_result.h"
+#include "actor/metaworld/tasks/environments.h"
 #include "actor/play/rollout.h"
 #include "common/config/config.h"
-#include "common/config/task_names.h"
 #include "learner/ppo/trainer.h"
 
 namespace metronome {
@@ -25,16 +25,20 @@ namespace {
 
 constexpr int kEpisodes = 4;  // different ones, played round and round
 
+const EnvironmentRegistry& Registry() {
+  static const EnvironmentRegistry registry(metaworld::Environments());
+  return registry;
+}
+
 RunConfig ConfigOf(const std::string& task) {
   RunConfig config;
   config.mutable_environment()->set_task(task);
+  *config.mutable_environment()->mutable_spec() = Registry().Describe(task);
   return Resolve(config);
 }
 
-std::unique_ptr<metaworld::SawyerEnvironment> MakeEnvironmentOf(const std::string& task) {
-  metaworld::EnvironmentOptions options;
-  options.assets = metaworld::DefaultAssetsPath();
-  return metaworld::MakeSawyerEnvironment(task, options);
+std::unique_ptr<Environment> MakeEnvironmentOf(const std::string& task) {
+  return Registry().Make(ConfigOf(task).environment());
 }
 
 /// The untrained policy's episodes 0..kEpisodes-1 of a task: played once a process, then shared.
@@ -65,10 +69,14 @@ class BareLoop {
  public:
   explicit BareLoop(const std::string& task) : environment_(MakeEnvironmentOf(task)) {
     const Episodes& played = Episodes::Of(task);
+    const MujocoView& scene = *environment_->mujoco();
+    std::vector<float> observation(
+        std::size_t(played.config.environment().spec().observation_size()));
     for (int i = 0; i < kEpisodes; ++i) {
-      environment_->Reset(TrainingPlacement(played.config, std::uint64_t(i)));
-      starts_.emplace_back(mj_copyData(nullptr, &environment_->model(), &environment_->data()));
-      models_.emplace_back(mj_copyModel(nullptr, &environment_->model()));
+      EpisodeStart start = TrainingStart(played.config, std::uint64_t(i));
+      environment_->Reset(start, observation);
+      starts_.emplace_back(mj_copyData(nullptr, &scene.model(), &scene.data()));
+      models_.emplace_back(mj_copyModel(nullptr, &scene.model()));
     }
   }
 
@@ -94,7 +102,7 @@ class BareLoop {
   void Finish() { mj_copyData(data_, model_, saved_.get()); }
 
  private:
-  std::unique_ptr<metaworld::SawyerEnvironment> environment_;
+  std::unique_ptr<Environment> environment_;
   std::vector<metaworld::ModelPtr> models_;
   std::vector<metaworld::DataPtr> starts_;
   metaworld::DataPtr saved_;
@@ -112,7 +120,7 @@ void Bare(benchmark::State& state, const std::string& task) {
     loop.Start(next);
     state.ResumeTiming();
     for (std::int32_t t = 0; t < episode.length(); ++t) {
-      loop.Step(episode.action.data() + std::size_t(t) * kActionSize);
+      loop.Step(episode.action.data() + std::size_t(t) * metaworld::kActionSize);
     }
     state.PauseTiming();
     loop.Finish();
@@ -136,7 +144,8 @@ void Actor(benchmark::State& state, const std::string& task) {
 }
 
 void Register() {
-  for (const std::string& task : TaskNames()) {
+  for (const EnvironmentEntry& entry : Registry().entries()) {
+    const std::string& task = entry.spec.short_name();
     for (const int threads : {1, 2}) {
       benchmark::RegisterBenchmark(("bare/" + task).c_str(), Bare, task)
           ->Threads(threads)

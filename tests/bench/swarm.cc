@@ -45,7 +45,8 @@ BusOptions BusOf(const Options& options) {
 EpisodeBank BankOf(const Options& options) {
   ConfigDraft draft;
   draft.ReadFile(options.config_file);
-  return EpisodeBank(draft.Finish(), options.recordings, options.prepared);
+  return EpisodeBank(draft.Finish([](const auto& name) { return Registry().Describe(name); }),
+                     options.recordings, options.prepared);
 }
 
 nlohmann::json RunActors(const Options& options) {

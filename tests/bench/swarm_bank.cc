@@ -5,9 +5,7 @@
 #include <thread>
 #include <utility>
 
-#include "actor/metaworld/assets.h"
-#include "actor/metaworld/environment.h"
-#include "actor/metaworld/tasks/task_table.h"
+#include "actor/metaworld/tasks/environments.h"
 #include "actor/play/rollout.h"
 #include "common/policy/action_noise.h"
 #include "common/policy/head_schedule.h"
@@ -16,12 +14,14 @@
 
 namespace metronome::bench {
 
+const EnvironmentRegistry& Registry() {
+  static const EnvironmentRegistry registry(metaworld::Environments());
+  return registry;
+}
+
 EpisodeBank::EpisodeBank(RunConfig config, std::uint64_t recordings, std::uint64_t prepared)
     : config_(std::move(config)), untrained_(SnapshotOf(Trainer::InitialState(config_), config_)) {
-  metaworld::EnvironmentOptions options;
-  options.assets = metaworld::DefaultAssetsPath();
-  const auto environment =
-      metaworld::MakeEnvironment(config_.environment().task(), std::move(options));
+  const auto environment = Registry().Make(config_.environment());
   const std::atomic<bool> cancel{false};
   for (std::uint64_t number = 0; number < recordings; ++number) {
     recordings_.push_back(*PlayEpisode(config_, untrained_, number, *environment, cancel));
@@ -49,14 +49,17 @@ const Episode& EpisodeBank::RecordingOf(std::uint64_t number) const {
 EpisodeBank::Decisions EpisodeBank::Decide(std::uint64_t number,
                                            const PolicySnapshot& snapshot) const {
   const Episode& recording = RecordingOf(number);
+  const EnvironmentSpec& spec = config_.environment().spec();
   Policy policy(config_, snapshot);
   const HeadSchedule schedule(config_, TrainingEpisode(config_, number));
   ActionNoise noise(config_, number);
   Decisions decisions;
   for (std::int32_t t = 0; t < recording.length(); ++t) {
-    const float* observation = recording.observation.data() + std::size_t(t) * kObservationSize;
+    const float* observation =
+        recording.observation.data() + std::size_t(t) * std::size_t(spec.observation_size());
     const Policy::Decision decision = policy.Act(schedule, observation, t, noise.At(t));
-    decisions.action.insert(decisions.action.end(), decision.action.begin(), decision.action.end());
+    decisions.action.insert(decisions.action.end(), decision.action.begin(),
+                            decision.action.begin() + spec.action_size());
     decisions.log_prob.push_back(decision.log_prob);
     decisions.head.push_back(static_cast<std::uint16_t>(decision.head));
   }

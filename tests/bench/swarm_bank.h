@@ -3,11 +3,15 @@
 #include <cstdint>
 #include <vector>
 
+#include "actor/environment/registry.h"
 #include "common/messages/episode.h"
 #include "common/messages/messages.h"
 #include "common/schema/config.pb.h"
 
 namespace metronome::bench {
+
+/// Those of metronome-actor.
+const EnvironmentRegistry& Registry();
 
 /// Episodes that a learner accepts, without physics: the observations, rewards and flags of a few
 /// episodes that were really played, in turn, under the actions and log-probabilities that the
@@ -31,7 +35,7 @@ class EpisodeBank {
  private:
   /// What of an episode depends on its number.
   struct Decisions {
-    std::vector<float> action;        // [T, 4]
+    std::vector<float> action;        // [T, A]
     std::vector<float> log_prob;      // [T], nats
     std::vector<std::uint16_t> head;  // [T]
   };

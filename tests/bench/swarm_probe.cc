@@ -10,9 +10,6 @@
 #include <utility>
 #include <variant>
 
-#include "actor/metaworld/assets.h"
-#include "actor/metaworld/environment.h"
-#include "actor/metaworld/tasks/task_table.h"
 #include "actor/play/rollout.h"
 #include "common/dds/dds_bus.h"
 #include "tests/bench/swarm_process.h"
@@ -61,10 +58,7 @@ class Source {
  public:
   Source(const EpisodeBank& bank, bool plays) : bank_(bank) {
     if (!plays) return;
-    metaworld::EnvironmentOptions options;
-    options.assets = metaworld::DefaultAssetsPath();
-    environment_ =
-        metaworld::MakeEnvironment(bank.config().environment().task(), std::move(options));
+    environment_ = Registry().Make(bank.config().environment());
   }
 
   EpisodeMessage Next(std::uint64_t number) {
@@ -83,7 +77,7 @@ class Source {
  private:
   const EpisodeBank& bank_;
   const std::atomic<bool> cancel_{false};
-  std::unique_ptr<metaworld::Environment> environment_;
+  std::unique_ptr<Environment> environment_;
   double play_seconds_ = 0;
 };
 

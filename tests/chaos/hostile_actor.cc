@@ -14,6 +14,8 @@
 #include <utility>
 
 #include "actor/client/actor_client.h"
+#include "actor/metaworld/tasks/environments.h"
+#include "actor/play/environment_player.h"
 #include "common/dds/dds_bus.h"
 #include "common/process/build_info.h"
 #include "common/process/logging.h"
@@ -111,7 +113,8 @@ int Run(const BusOptions& options, const std::string& kind, const std::string& h
   client_options.engine = EngineName();
   client_options.build = BuildIdentity();
   HostileBus bus(options, client_options.actor_id, kind);
-  ActorClient client(&bus, SetUpMetaworldRun, client_options);
+  const EnvironmentRegistry registry(metaworld::Environments());
+  ActorClient client(&bus, SetUpWith(registry), client_options);
   return client.Run() == ActorEnd::kRefused ? 1 : 0;
 }
 

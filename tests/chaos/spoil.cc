@@ -43,7 +43,8 @@ Messages WrongReward(EpisodeMessage truth, EpisodeMessage&) {
 }
 
 Messages WrongAction(EpisodeMessage truth, EpisodeMessage&) {
-  truth.episode.action[MiddleOf(truth) * kActionSize] += 0.25F;
+  const std::size_t actions = truth.episode.action.size() / truth.episode.reward.size();
+  truth.episode.action[MiddleOf(truth) * actions] += 0.25F;
   return {std::move(truth)};
 }
 
@@ -51,8 +52,8 @@ Messages WrongAction(EpisodeMessage truth, EpisodeMessage&) {
 Messages TooShort(EpisodeMessage truth, EpisodeMessage&) {
   Episode& episode = truth.episode;
   const std::size_t steps = episode.reward.size() - 1;
-  episode.observation.resize((steps + 1) * kObservationSize);
-  episode.action.resize(steps * kActionSize);
+  episode.observation.resize(episode.observation.size() / (steps + 2) * (steps + 1));
+  episode.action.resize(episode.action.size() / (steps + 1) * steps);
   episode.log_prob.resize(steps);
   episode.reward.resize(steps);
   episode.head.resize(steps);

@@ -86,8 +86,8 @@ def test_unknown_arms_get_looks_that_nobody_else_has():
 
 
 def test_known_names_come_first():
-    assert names.in_order({"zebra", "push", "assembly", "door"}, names.TASKS) == [
-        "assembly", "push", "door", "zebra"]
+    assert names.in_order({"zebra", "ppo", "multihead", "door"}, names.ARMS) == [
+        "multihead", "ppo", "door", "zebra"]
 
 
 def test_wall_clock_panels_end_with_the_longest_curve(tmp_path):

@@ -5,13 +5,15 @@
 
 #include "common/checkpoint/checkpoint.h"
 #include "tests/fuzz/checkpoint_frame.h"
+#include "tests/unit/support/environments.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
   if ((data[0] & 1) != 0) bytes = metronome::fuzz::Framed(bytes);
   try {
-    const metronome::Checkpoint checkpoint = metronome::DecodeCheckpoint(bytes, "fuzz");
+    const metronome::Checkpoint checkpoint =
+        metronome::DecodeCheckpoint(bytes, "fuzz", metronome::test::Describe);
     (void)metronome::EncodeCheckpoint(checkpoint);
   } catch (const metronome::CheckpointError&) {
   }

@@ -4,6 +4,7 @@
 
 #include "common/config/config.h"
 #include "common/config/config_file.h"
+#include "tests/unit/support/environments.h"
 
 namespace {
 
@@ -11,6 +12,7 @@ using metronome::ConfigError;
 
 void Text(const std::string& text) {
   metronome::RunConfig config = metronome::ParseConfigText(text, "fuzz").config;
+  metronome::CompleteSpec(config, metronome::test::Describe);
   config = metronome::Resolve(config);
   metronome::Validate(config);
   // What passes is printed and read again on resuming.
@@ -20,7 +22,7 @@ void Text(const std::string& text) {
 void Settings(const std::string& text) {
   metronome::ConfigDraft draft;
   draft.SetFromArgument(text);
-  (void)draft.Finish();
+  (void)draft.Finish(metronome::test::Describe);
 }
 
 void Bytes(const std::string& bytes) {

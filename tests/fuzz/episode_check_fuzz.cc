@@ -7,6 +7,7 @@
 #include "common/policy/network.h"
 #include "common/policy/policy.h"
 #include "learner/algorithm/episode_check.h"
+#include "tests/unit/support/environments.h"
 
 namespace metronome {
 namespace {
@@ -15,7 +16,7 @@ constexpr int kHorizon = 4;
 
 RunConfig SmallRun() {
   RunConfig config;
-  config.mutable_environment()->set_task("push");
+  test::SetTask(config, "push");
   config.mutable_environment()->set_horizon(kHorizon);
   config.mutable_policy()->set_heads(2);
   config.mutable_policy()->add_hidden(8);
@@ -25,8 +26,8 @@ RunConfig SmallRun() {
 PolicySnapshot SomeSnapshot(const RunConfig& config) {
   PolicySnapshot snapshot;
   snapshot.parameters.assign(ActorLayout(ShapeOf(config)).size, 0.01F);
-  snapshot.observation_mean.assign(kObservationSize, 0);
-  snapshot.observation_inv_std.assign(kObservationSize, 1);
+  snapshot.observation_mean.assign(test::kObservationSize, 0);
+  snapshot.observation_inv_std.assign(test::kObservationSize, 1);
   return snapshot;
 }
 
@@ -64,8 +65,8 @@ Episode EpisodeOf(Input input) {
   episode.flags = input.TakeSome<std::uint8_t>(kHorizon);
   episode.reward = input.TakeSome<float>(kHorizon);
   episode.log_prob = input.TakeSome<float>(kHorizon);
-  episode.action = input.TakeSome<float>(kHorizon * kActionSize);
-  episode.observation = input.TakeSome<float>((kHorizon + 1) * kObservationSize);
+  episode.action = input.TakeSome<float>(kHorizon * test::kActionSize);
+  episode.observation = input.TakeSome<float>((kHorizon + 1) * test::kObservationSize);
   return episode;
 }
 

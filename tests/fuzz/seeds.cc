@@ -10,6 +10,7 @@
 #include "learner/ppo/ppo_algorithm.h"
 #include "tests/integration/dds_fixture.h"
 #include "tests/integration/raw_writer.h"
+#include "tests/unit/support/environments.h"
 
 namespace metronome::fuzz {
 namespace {
@@ -38,7 +39,7 @@ class Corpus {
 
 RunConfig SmallRun() {
   RunConfig config;
-  config.mutable_environment()->set_task("push");
+  test::SetTask(config, "push");
   config.mutable_policy()->set_heads(2);
   config.mutable_policy()->add_hidden(4);
   return Resolve(config);

@@ -19,6 +19,9 @@ namespace metronome::test {
 
 using std::chrono::seconds;
 
+inline constexpr std::size_t kObservationSize = 39;  // of the samples made here
+inline constexpr std::size_t kActionSize = 4;
+
 /// Long enough for a loaded machine under sanitizers; reached only by a failing test.
 inline Clock::time_point Soon() { return Clock::now() + seconds(20); }
 

@@ -219,10 +219,11 @@ def test_jobs_without_a_domain_each_are_refused(stage, options, complaint):
         (ARMS, "[arms]", "[arms]: needs at least one arm"),
         (ARMS, "[arms]\nk2 = 5", "[arms.k2]: 5 is not a table"),
         ("heads = 5", "heads = 5\nset = 3", "[arms.multihead] set: 3 is not a table"),
+        ("[arms.ppo]", "[task.pull]\nsteps = 5\n[arms.ppo]", "[task]: 'pull' is not one of push"),
         ("[arms.ppo]", "[task]\npush = 5\n[arms.ppo]", "[task.push]: 5 is not a table"),
         ("[evaluate]\nepisodes = 1\nplacements =", "evaluate =", "[evaluate]: ['random', 'mt1'] is not a table"),
         ('"ppo.minibatch" = 50', "ppo.minibatch = 50", '[set]: ppo must be a text, a number, true or false'),
-        ('tasks = ["push"]', 'tasks = [["push"]]', "tasks: '['push']' is not one of"),
+        ('tasks = ["push"]', 'tasks = [["push"]]', "tasks: ['push'] cannot be a name"),
         ('tasks = ["push"]', 'tasks = ["push"] # \udcff', "not UTF-8"),
     ],
 )

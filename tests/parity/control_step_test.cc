@@ -12,6 +12,7 @@
 #include "actor/metaworld/engine/engine.h"
 #include "actor/metaworld/tasks/task_table.h"
 #include "common/numbers/random.h"
+#include "tests/parity/tasks.h"
 
 /// The shortcuts of a control step against the plain loop on the bare engine, bit by bit.
 namespace metronome::metaworld {
@@ -119,13 +120,7 @@ TEST_P(ControlStepTest, ABadStateIsResetAsByThePlainLoop) {
   ExpectSameState(*model_, *plain_, *fast_);
 }
 
-INSTANTIATE_TEST_SUITE_P(Tasks, ControlStepTest,
-                         testing::Values("assembly", "bin-picking", "box-close", "push"),
-                         [](const auto& task) {
-                           std::string name = task.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Tasks, ControlStepTest, EachTask(), TestName);
 
 }  // namespace
 }  // namespace metronome::metaworld

@@ -1,5 +1,3 @@
-#include "actor/metaworld/environment.h"
-
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
@@ -16,8 +14,10 @@
 #include "actor/metaworld/engine/engine.h"
 #include "actor/metaworld/placement.h"
 #include "actor/metaworld/sawyer.h"
+#include "actor/metaworld/tasks/environments.h"
 #include "actor/metaworld/tasks/task_table.h"
 #include "actor/play/canonical_episode.h"
+#include "tests/parity/tasks.h"
 
 namespace metronome::metaworld {
 namespace {
@@ -48,7 +48,8 @@ void Append(const Observation& observation, Bits& bits) {
 }
 
 /// Everything that `steps` steps return after a reset that gave `first`.
-Bits Play(Environment& environment, const Observation& first, std::uint64_t episode, int steps) {
+Bits Play(SawyerEnvironment& environment, const Observation& first, std::uint64_t episode,
+          int steps) {
   Bits bits;
   Append(first, bits);
   for (int t = 0; t < steps; ++t) {
@@ -150,10 +151,11 @@ TEST_P(EnvironmentTest, ObservationsStackTheFrameBefore) {
 }
 
 TEST_P(EnvironmentTest, TheCanonicalDigestIsAFunctionOfTheTask) {
-  const std::string digest = CanonicalDigest(GetParam());
+  const EnvironmentRegistry registry(Environments());
+  const std::string digest = CanonicalDigest(registry, GetParam());
   EXPECT_EQ(digest.size(), 128U) << "the environment's, then the policy's";
-  EXPECT_EQ(CanonicalDigest(GetParam() + "-v3"), digest);
-  const std::string other = CanonicalDigest(GetParam() == "push" ? "assembly" : "push");
+  EXPECT_EQ(CanonicalDigest(registry, GetParam() + "-v3"), digest);
+  const std::string other = CanonicalDigest(registry, GetParam() == "push" ? "assembly" : "push");
   EXPECT_NE(other.substr(0, 64), digest.substr(0, 64));
   EXPECT_EQ(other.substr(64), digest.substr(64)) << "one policy for all tasks";
 }
@@ -165,17 +167,11 @@ TEST_P(EnvironmentTest, AnActionThatIsNotFiniteIsRefused) {
   EXPECT_THROW(environment->Step({0, 0, 0, HUGE_VALF}), std::invalid_argument);
 }
 
-INSTANTIATE_TEST_SUITE_P(Tasks, EnvironmentTest,
-                         testing::Values("assembly", "bin-picking", "box-close", "push"),
-                         [](const auto& task) {
-                           std::string name = task.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Tasks, EnvironmentTest, EachTask(), TestName);
 
 TEST(EngineTest, MissingScenesNameTheFileAndTheRemedy) {
   try {
-    MakeEnvironment("push", {.goal_visible = true, .assets = "/nowhere/assets"});
+    MakeSawyerEnvironment("push", {.goal_visible = true, .assets = "/nowhere/assets"});
     FAIL() << "no exception";
   } catch (const std::runtime_error& error) {
     const std::string message = error.what();

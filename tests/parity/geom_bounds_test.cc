@@ -12,6 +12,7 @@
 #include "actor/metaworld/engine/engine.h"
 #include "actor/metaworld/tasks/task_table.h"
 #include "common/numbers/random.h"
+#include "tests/parity/tasks.h"
 
 /// The test that rules pairs out, against the engine's own collision functions on every pair of
 /// geoms in random poses: far more configurations than episodes reach.
@@ -66,13 +67,7 @@ TEST_P(GeomBoundsTest, ASceneWithPredefinedPairsIsRefused) {
   model->npair = 0;
 }
 
-INSTANTIATE_TEST_SUITE_P(Tasks, GeomBoundsTest,
-                         testing::Values("assembly", "bin-picking", "box-close", "push"),
-                         [](const auto& task) {
-                           std::string name = task.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Tasks, GeomBoundsTest, EachTask(), TestName);
 
 }  // namespace
 }  // namespace metronome::metaworld

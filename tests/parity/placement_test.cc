@@ -10,7 +10,6 @@
 #include <stdexcept>
 
 #include "actor/metaworld/tasks/task_table.h"
-#include "common/config/task_names.h"
 #include "common/text/number_text.h"
 
 namespace metronome::metaworld {
@@ -81,12 +80,6 @@ TEST(PlacementTest, ADrawIsAFunctionOfItsStream) {
   EXPECT_EQ(draw(1, 5), draw(1, 5));
   EXPECT_NE(draw(1, 5), draw(1, 6));
   EXPECT_NE(draw(1, 5), draw(2, 5));
-}
-
-TEST(TaskTableTest, HasTheNamesThatLearnersKnow) {
-  std::vector<std::string> names;
-  for (const TaskSpec& task : AllTasks()) names.push_back(task.name);
-  EXPECT_EQ(names, TaskNames());
 }
 
 TEST(TaskTableTest, VersionSuffixesNameTheSameTask) {

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "actor/metaworld/environment.h"
 #include "actor/metaworld/sawyer.h"
 #include "actor/metaworld/task_spec.h"
 
@@ -20,10 +19,6 @@ const TaskSpec& FindTask(const std::string& spelling);
 /// @param task  any accepted spelling.
 /// @throws std::invalid_argument for an unknown task (names the near miss and the list),
 ///         std::runtime_error when scene files are missing (says to run deploy/setup).
-std::unique_ptr<Environment> MakeEnvironment(const std::string& task,
-                                             const EnvironmentOptions& options);
-
-/// As MakeEnvironment, with what replays need.
 std::unique_ptr<SawyerEnvironment> MakeSawyerEnvironment(const std::string& task,
                                                          const EnvironmentOptions& options);
 

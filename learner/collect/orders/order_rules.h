@@ -10,7 +10,7 @@ namespace metronome {
 struct OrderRules {
   std::uint64_t episodes_per_update = 16;  // E
   std::uint64_t overlap = 0;               // batch v is played under weights max(0, v - overlap)
-  std::uint64_t updates_total = 1;         // batches 0 .. updates_total - 1
+  std::uint64_t updates_total = 1;         // batches 0 .. updates_total - 1 at most
   std::uint64_t first_version = 0;         // updates made before this process
   std::uint32_t orders_per_slot = 2;       // so that no slot waits for a round trip
   double late_factor = 3;                  // of the median duration: another idle slot is asked too

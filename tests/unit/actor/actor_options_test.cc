@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "actor/metaworld/tasks/environments.h"
 #include "actor/options.h"
 
 namespace metronome {
@@ -16,7 +17,7 @@ class ActorOptionsTest : public ::testing::Test {
     std::vector<const char*> argv = {"metronome-actor"};
     for (const auto& argument : arguments) argv.push_back(argument.c_str());
     ::testing::internal::CaptureStderr();
-    auto parsed = ParseActorCommand(static_cast<int>(argv.size()), argv.data());
+    auto parsed = ParseActorCommand(static_cast<int>(argv.size()), argv.data(), registry_);
     err_ = ::testing::internal::GetCapturedStderr();
     return parsed;
   }
@@ -42,6 +43,7 @@ class ActorOptionsTest : public ::testing::Test {
     EXPECT_NE(err_.find('"' + value + '"'), std::string::npos) << err_;
   }
 
+  const EnvironmentRegistry registry_{metaworld::Environments()};
   std::string err_;
 };
 

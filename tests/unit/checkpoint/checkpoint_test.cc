@@ -22,6 +22,7 @@
 #include "common/process/files.h"
 #include "common/process/sha256.h"
 #include "common/schema/checkpoint.pb.h"
+#include "tests/unit/support/environments.h"
 #include "tests/unit/support/temporary_folder.h"
 
 namespace metronome {
@@ -32,7 +33,7 @@ namespace fs = std::filesystem;
 /// A state whose every number differs from its neighbours and needs all its bits.
 Checkpoint SmallCheckpoint(std::uint64_t version = 7) {
   Checkpoint checkpoint;
-  checkpoint.config.mutable_environment()->set_task("push");
+  test::SetTask(checkpoint.config, "push");
   SetField(checkpoint.config, "policy.hidden", "2");
   SetField(checkpoint.config, "policy.heads", "2");
   checkpoint.config = Resolve(checkpoint.config);
@@ -60,7 +61,7 @@ Checkpoint SmallCheckpoint(std::uint64_t version = 7) {
 
 std::string ErrorOfDecoding(const std::string& bytes) {
   try {
-    static_cast<void>(DecodeCheckpoint(bytes, "x.ckpt"));
+    static_cast<void>(DecodeCheckpoint(bytes, "x.ckpt", test::Describe));
   } catch (const CheckpointError& error) {
     return error.what();
   }
@@ -121,7 +122,7 @@ TEST(Sha256Test, WeightsAreHashedAsLittleEndianFloat32) {
 
 TEST(CheckpointTest, EveryBitComesBack) {
   const Checkpoint saved = SmallCheckpoint();
-  const Checkpoint loaded = DecodeCheckpoint(EncodeCheckpoint(saved), "x.ckpt");
+  const Checkpoint loaded = DecodeCheckpoint(EncodeCheckpoint(saved), "x.ckpt", test::Describe);
   EXPECT_EQ(loaded.state, saved.state);
   EXPECT_EQ(loaded.config.SerializeAsString(), saved.config.SerializeAsString());
   EXPECT_EQ(loaded.engine, saved.engine);
@@ -165,7 +166,8 @@ TEST(CheckpointTest, AnotherFormatSaysWhich) {
 TEST(CheckpointTest, AFileOfFormat5HoldsThePolicyAndTheStateOfPpo) {
   const RunConfig config = SmallCheckpoint().config;
   const StateOfFormat5 old = OldState(config);
-  const TrainState state = DecodeCheckpoint(OldFile(config, old, 5), "x.ckpt").state;
+  const TrainState state =
+      DecodeCheckpoint(OldFile(config, old, 5), "x.ckpt", test::Describe).state;
   EXPECT_EQ(state.version, 7U);
   EXPECT_EQ(state.steps, 56000U);
   EXPECT_EQ(state.episodes_used, 112U);
@@ -193,17 +195,31 @@ TEST(CheckpointTest, AnOldFileWhoseStateDoesNotFitItsConfigurationIsRefused) {
 }
 
 void ExpectToGoOnAs(const RunConfig& whole, const RunConfig& old, std::uint32_t format) {
-  const Checkpoint loaded = DecodeCheckpoint(OldFile(old, OldState(whole), format), "x.ckpt");
-  EXPECT_EQ(loaded.state, DecodeCheckpoint(OldFile(whole, OldState(whole), 5), "x.ckpt").state);
+  const Checkpoint loaded =
+      DecodeCheckpoint(OldFile(old, OldState(whole), format), "x.ckpt", test::Describe);
+  EXPECT_EQ(loaded.state,
+            DecodeCheckpoint(OldFile(whole, OldState(whole), 5), "x.ckpt", test::Describe).state);
   EXPECT_NO_THROW(RequireShape(loaded, whole, "x.ckpt"));
   EXPECT_TRUE(CompareForResume(loaded.config, whole, false).empty());
   EXPECT_EQ(Resolve(loaded.config).SerializeAsString(), whole.SerializeAsString());
 }
 
 // Old files are without what their format did not know.
+TEST(CheckpointTest, AFileOfFormat5IsDescribedByWhoKnowsItsEnvironment) {
+  const RunConfig whole = SmallCheckpoint().config;
+  RunConfig old = whole;
+  old.mutable_environment()->clear_spec();
+  ExpectToGoOnAs(whole, old, 5);
+  old.mutable_environment()->set_task("pull");
+  EXPECT_EQ(ErrorOfDecoding(OldFile(old, OldState(whole), 5)),
+            "x.ckpt: environment.task is an unknown environment \"pull\"; Known: assembly, "
+            "box-close, push");
+}
+
 TEST(CheckpointTest, AFileOfFormat3GoesOnWithTheOfficialReward) {
   const RunConfig whole = SmallCheckpoint().config;
   RunConfig old = whole;
+  old.mutable_environment()->clear_spec();
   old.mutable_ppo()->clear_success_reward();
   ExpectToGoOnAs(whole, old, 3);
 }
@@ -211,6 +227,7 @@ TEST(CheckpointTest, AFileOfFormat3GoesOnWithTheOfficialReward) {
 TEST(CheckpointTest, AFileOfFormat2GoesOnWithWhiteNoise) {
   const RunConfig whole = SmallCheckpoint().config;
   RunConfig old = whole;
+  old.mutable_environment()->clear_spec();
   old.mutable_ppo()->clear_success_reward();
   old.mutable_policy()->clear_noise_correlation();
   ExpectToGoOnAs(whole, old, 2);
@@ -219,6 +236,7 @@ TEST(CheckpointTest, AFileOfFormat2GoesOnWithWhiteNoise) {
 TEST(CheckpointTest, AFileOfFormat1GoesOnAsBlocksWithSeparateCriticHeads) {
   const RunConfig whole = SmallCheckpoint().config;
   RunConfig old = whole;
+  old.mutable_environment()->clear_spec();
   old.mutable_policy()->clear_schedule();
   old.mutable_policy()->clear_critic_heads();
   old.mutable_policy()->clear_noise_correlation();
@@ -235,7 +253,7 @@ TEST(CheckpointTest, TheCommittedPoliciesLoadWithTheirWeights) {
       {"box-close", "9231382043e0753a83a40a50e6bea2857613fc09d04061e9322b66812584a8b5"},
       {"push", "c24b665a1af3d17c5901dc96d82ff520ac3c4d7c363d2ac7f65f72b4cf2850ac"}};
   for (const auto& [task, sha256] : weights) {
-    const Checkpoint checkpoint = LoadCheckpoint(folder + task + ".ckpt");
+    const Checkpoint checkpoint = LoadCheckpoint(folder + task + ".ckpt", test::SpecOf);
     EXPECT_EQ(checkpoint.state.weights.sha256, sha256) << task;
     EXPECT_EQ(SnapshotDefect(checkpoint.state.policy, checkpoint.config), std::nullopt) << task;
   }
@@ -282,7 +300,7 @@ TEST(CheckpointTest, AnotherNetworkShapeNamesBoth) {
 TEST(CheckpointTest, UnreadableFilesAreNamed) {
   for (const std::string path : {"no/such.ckpt", "."}) {
     try {
-      static_cast<void>(LoadCheckpoint(path));
+      static_cast<void>(LoadCheckpoint(path, test::Describe));
       FAIL() << path;
     } catch (const CheckpointError& error) {
       EXPECT_TRUE(std::string(error.what()).starts_with("cannot read checkpoint " + path + ": "));
@@ -314,7 +332,7 @@ TEST_F(CheckpointStoreTest, SavesUnderTheVersionAndPointsLatestAtIt) {
   EXPECT_EQ(Names(), (std::vector<std::string>{"000123.ckpt", "latest"}));
   EXPECT_EQ(fs::read_symlink(folder_ + "/latest"), "000123.ckpt");
   EXPECT_EQ(store.Latest(), folder_ + "/000123.ckpt");
-  EXPECT_EQ(LoadCheckpoint(folder_ + "/latest").state, SmallCheckpoint(123).state);
+  EXPECT_EQ(LoadCheckpoint(folder_ + "/latest", test::Describe).state, SmallCheckpoint(123).state);
 }
 
 TEST_F(CheckpointStoreTest, PrunesToTheNewest) {
@@ -383,7 +401,7 @@ class NewestCheckpointTest : public CheckpointStoreTest {
 
   /// Goes on from what is found. @return its version.
   std::uint64_t GoOn() {
-    const auto found = FindNewestCheckpoint(folder_);
+    const auto found = FindNewestCheckpoint(folder_, test::Describe);
     if (!found) return 0;
     store_.GoOnFrom(*found);
     passed_over_ = found->passed_over.size();
@@ -392,7 +410,7 @@ class NewestCheckpointTest : public CheckpointStoreTest {
 
   [[nodiscard]] std::string Refusal() const {
     try {
-      static_cast<void>(FindNewestCheckpoint(folder_));
+      static_cast<void>(FindNewestCheckpoint(folder_, test::Describe));
     } catch (const CheckpointError& error) {
       return error.what();
     }
@@ -521,7 +539,7 @@ TEST_F(NewestCheckpointTest, ANewerFormatIsNotPassedOverButNamedWithTheWayBack) 
 TEST_F(NewestCheckpointTest, WhatCannotBeReadIsNotTakenForDamaged) {
   fs::remove(Path("000004.ckpt"));
   fs::create_symlink("/proc/self/mem", Path("000004.ckpt"));  // reading it fails, whoever asks
-  EXPECT_THROW(FindNewestCheckpoint(folder_), CheckpointUnreadable);
+  EXPECT_THROW(FindNewestCheckpoint(folder_, test::Describe), CheckpointUnreadable);
   EXPECT_NE(Refusal().find("Input/output error; or go back to"), std::string::npos) << Refusal();
 }
 
@@ -541,17 +559,17 @@ TEST_F(NewestCheckpointTest, OnlyAFolderWithoutATraceOfOneHasNone) {
   }
   EXPECT_NE(Refusal().find("000004.ckpt: missing"), std::string::npos) << Refusal();
   fs::remove(Path("latest"));
-  EXPECT_EQ(FindNewestCheckpoint(folder_), std::nullopt);
+  EXPECT_EQ(FindNewestCheckpoint(folder_, test::Describe), std::nullopt);
   Write("000004.ckpt.damaged", "");
   EXPECT_NE(Refusal().find("000004.ckpt.damaged"), std::string::npos) << Refusal();
-  EXPECT_EQ(FindNewestCheckpoint(root_ + "/no such folder"), std::nullopt);
+  EXPECT_EQ(FindNewestCheckpoint(root_ + "/no such folder", test::Describe), std::nullopt);
 }
 
 TEST_F(NewestCheckpointTest, ReadingWhatIsNotThereNamesWhatIs) {
   PointLatestAt("000009.ckpt");
   for (const std::string& path : {Path("latest"), Path("000009.ckpt"), root_}) {
     try {
-      static_cast<void>(LoadCheckpoint(path));
+      static_cast<void>(LoadCheckpoint(path, test::Describe));
       FAIL() << path;
     } catch (const CheckpointUnreadable& error) {
       const std::string text = error.what();
@@ -560,7 +578,7 @@ TEST_F(NewestCheckpointTest, ReadingWhatIsNotThereNamesWhatIs) {
     }
   }
   Write("000004.ckpt", "");
-  EXPECT_THROW(LoadCheckpoint(Path("000004.ckpt")), CheckpointDamaged);
+  EXPECT_THROW(LoadCheckpoint(Path("000004.ckpt"), test::Describe), CheckpointDamaged);
 }
 
 /// Saves in a child in which no file may grow past 1000 bytes (the limit cannot be raised again).

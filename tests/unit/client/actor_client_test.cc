@@ -11,6 +11,7 @@
 
 #include "common/config/config.h"
 #include "common/policy/network.h"
+#include "tests/unit/support/environments.h"
 #include "tests/unit/support/fake_actor_bus.h"
 
 namespace metronome::test {
@@ -20,7 +21,7 @@ constexpr std::uint64_t kActor = 77;
 
 RunConfig SomeConfig() {
   RunConfig config;
-  config.mutable_environment()->set_task("push");
+  test::SetTask(config, "push");
   return Resolve(config);
 }
 
@@ -40,8 +41,8 @@ PolicySnapshot Snapshot(std::uint64_t incarnation, std::uint64_t version) {
   snapshot.incarnation = incarnation;
   snapshot.version = version;
   snapshot.parameters.assign(ActorLayout(ShapeOf(SomeConfig())).size, 0.5f);
-  snapshot.observation_mean.assign(kObservationSize, 0);
-  snapshot.observation_inv_std.assign(kObservationSize, 1);
+  snapshot.observation_mean.assign(test::kObservationSize, 0);
+  snapshot.observation_inv_std.assign(test::kObservationSize, 1);
   return snapshot;
 }
 

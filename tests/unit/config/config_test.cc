@@ -8,8 +8,8 @@
 #include <fstream>
 #include <functional>
 
-#include "common/config/task_names.h"
 #include "common/text/listen_address.h"
+#include "tests/unit/support/environments.h"
 
 namespace metronome {
 namespace {
@@ -31,7 +31,7 @@ std::string ParseErrorOf(const std::string& text) {
 
 RunConfig Push() {
   RunConfig config;
-  config.mutable_environment()->set_task("push");
+  test::SetTask(config, "push");
   return config;
 }
 
@@ -48,26 +48,52 @@ void ExpectAccepted(const std::string& path, const std::string& value) {
   EXPECT_NO_THROW(Validate(Resolve(config))) << path << "=" << value;
 }
 
-TEST(TaskNamesTest, EverySpellingNamesTheSameTask) {
-  for (const auto& name : TaskNames()) {
-    for (const std::string suffix : {"", "-v2", "-v3"}) {
-      EXPECT_EQ(CanonicalTaskName(name + suffix), name);
-    }
+TEST(CompleteSpecTest, EveryNameLeadsToTheShortOneAndASpecificationIsAskedForOnce) {
+  RunConfig config;
+  int asked = 0;
+  const SpecSource source = [&asked](const std::string& name) {
+    ++asked;
+    return test::Describe(name);
+  };
+  CompleteSpec(config, source);
+  EXPECT_EQ(asked, 0) << "there is nothing to ask for";
+  for (const std::string name : {"push-v3", "push", "metaworld/push"}) {
+    config.mutable_environment()->set_task(name);
+    CompleteSpec(config, source);
+    EXPECT_EQ(config.environment().task(), "push");
+    EXPECT_EQ(config.environment().spec().name(), "metaworld/push");
+    EXPECT_EQ(asked, 1);
   }
+  config.mutable_environment()->set_task("assembly");
+  CompleteSpec(config, source);
+  EXPECT_EQ(config.environment().spec().name(), "metaworld/assembly") << "another environment";
 }
 
-TEST(TaskNamesTest, OtherSpellingsAreRefusedWithTheNearMissAndTheList) {
-  for (const std::string name : {"push-v1", "push-v", "Push", "", "-v3", "push-v2-v3"}) {
-    EXPECT_THROW(CanonicalTaskName(name), std::invalid_argument) << name;
-  }
-  try {
-    CanonicalTaskName("pussh-v3");
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(),
-                 "unknown task \"pussh-v3\"; did you mean \"push\"? Known: assembly, bin-picking, "
-                 "box-close, push");
-  }
+TEST(CompleteSpecTest, AnUnknownNameIsAComplaintAndOtherErrorsPass) {
+  RunConfig config;
+  config.mutable_environment()->set_task("pussh");
+  EXPECT_EQ(
+      ErrorOf([&] { CompleteSpec(config, test::Describe); }),
+      "environment.task is an unknown environment \"pussh\"; Known: assembly, box-close, push");
+  EXPECT_EQ(ErrorOf([&] {
+              CompleteSpec(config, [](const std::string&) -> EnvironmentSpec {
+                throw ConfigError("no program");
+              });
+            }),
+            "no program");
+}
+
+TEST(CompleteSpecTest, WhatIsDescribedIsTheHorizonsDefaultAndBound) {
+  RunConfig config = Push();
+  config.mutable_environment()->mutable_spec()->set_max_steps(60);
+  EXPECT_EQ(Resolve(config).environment().horizon(), 60);
+  config.mutable_environment()->set_horizon(61);
+  EXPECT_EQ(
+      ErrorOf([&] { Validate(Resolve(config)); }),
+      "environment.horizon is 61: must be from 1 to 60, the longest episode of metaworld/push");
+  config.mutable_environment()->clear_spec();
+  EXPECT_EQ(ErrorOf([&] { Validate(Resolve(config)); }),
+            "environment.spec is not that of push: nothing says how large its observations are");
 }
 
 TEST(ResolveTest, FillsEveryField) {
@@ -106,12 +132,6 @@ TEST(ResolveTest, KeepsWhatIsSetAndIsIdempotent) {
   EXPECT_EQ(once.policy().heads(), 3);
   EXPECT_EQ(once.ppo().entropy_coefficient_final(), 0.25);
   EXPECT_EQ(PrintConfig(Resolve(once)), PrintConfig(once));
-}
-
-TEST(ResolveTest, BringsTheTaskToItsCanonicalName) {
-  RunConfig config;
-  config.mutable_environment()->set_task("box-close-v3");
-  EXPECT_EQ(Resolve(config).environment().task(), "box-close");
 }
 
 TEST(PrintConfigTest, PrintoutReadsBackBitForBit) {
@@ -347,7 +367,9 @@ TEST(ValidateTest, EachNumberHasItsRange) {
   };
   const std::vector<Case> cases = {
       {"total_steps", {"0", "9007199254740992"}, {"1", "9007199254740991"}},
-      {"environment.horizon", {"-1", "0", "501"}, {"10", "500"}},
+      {"environment.horizon", {"-1", "0", "501", "10001"}, {"10", "500"}},
+      {"environment.spec.observation_size", {"-1", "0", "1025"}, {"1", "1024"}},
+      {"environment.spec.action_size", {"0", "65"}, {"4"}},
       {"policy.heads", {"-3", "0", "501"}, {"1", "500"}},
       {"policy.hidden", {"0", "64,-1", "4097", "1,1,1,1,1,1,1,1,1"}, {"1", "64,64,64"}},
       {"policy.initial_log_std",
@@ -389,6 +411,17 @@ TEST(ValidateTest, EachNumberHasItsRange) {
   }
 }
 
+TEST(ValidateTest, TheLongestEpisodeHasItsRangeToo) {
+  RunConfig config = Push();
+  config.mutable_environment()->set_horizon(10);
+  for (const int steps : {0, 10001}) {
+    config.mutable_environment()->mutable_spec()->set_max_steps(steps);
+    EXPECT_EQ(
+        ErrorOf([&] { Validate(Resolve(config)); }),
+        "environment.spec.max_steps is " + std::to_string(steps) + ": must be from 1 to 10000");
+  }
+}
+
 TEST(ValidateTest, ComplaintsNameFieldValueAndWhatIsAllowed) {
   EXPECT_EQ(ComplaintOf("policy.heads", "501"),
             "policy.heads is 501: must be at most environment.horizon, 500 (each head needs a "
@@ -412,11 +445,8 @@ TEST(ValidateTest, ComplaintsNameFieldValueAndWhatIsAllowed) {
       ComplaintOf("runtime.metrics", "9464/tcp"),
       "runtime.metrics is \"9464/tcp\": must be PORT or HOST:PORT, a port from 0 to 65535 and "
       "a numeric IPv4 address");
-  EXPECT_EQ(ComplaintOf("environment.task", "pussh"),
-            "environment.task is an unknown task \"pussh\"; did you mean \"push\"? Known: "
-            "assembly, bin-picking, box-close, push");
   EXPECT_EQ(ErrorOf([] { Validate(Resolve(RunConfig())); }),
-            "environment.task is not set: choose one of assembly, bin-picking, box-close, push");
+            "environment.task is not set: choose what `metronome-actor environment` lists");
 }
 
 TEST(ValidateTest, AllComplaintsComeAtOnce) {
@@ -538,7 +568,9 @@ TEST(CompareForResumeTest, EverythingOutsideRuntimeForbids) {
     using Field = google::protobuf::FieldDescriptor;
     std::string value = "77";
     if (type == Field::CPPTYPE_ENUM) value = EnumWords(*field.enum_type()).back();
-    if (type == Field::CPPTYPE_BOOL) value = "false";
+    if (type == Field::CPPTYPE_BOOL) {
+      value = path == "environment.spec.may_end_early" ? "true" : "false";
+    }
     SetField(changed, path, value);
     const auto differences = CompareForResume(old_config, changed, false);
     EXPECT_EQ(differences.size(), path.starts_with("runtime.") ? 0u : 1u) << path;
@@ -576,7 +608,7 @@ TEST(CheckRunNameTest, NamesAreSafeAsFolderAndPartition) {
 class ConfigDraftTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::ofstream(path_) << "environment { task: \"push-v2\" }\npolicy { hidden: 8 hidden: 8 }\n"
+    std::ofstream(path_) << "environment { task: \"push-v3\" }\npolicy { hidden: 8 hidden: 8 }\n"
                             "seed: 5\nppo { clip: 0.3\n  learning_rate: 1e-3 }\n";
   }
   void TearDown() override { std::filesystem::remove(path_); }
@@ -590,7 +622,7 @@ TEST_F(ConfigDraftTest, LaterSourcesOverrideEarlierOnes) {
   draft.SetFromArgument("ppo.clip=0.25");
   draft.SetFromArgument("seed=6");
   draft.Set("seed", "7", "--seed");
-  const RunConfig config = draft.Finish();
+  const RunConfig config = draft.Finish(test::Describe);
   EXPECT_EQ(config.environment().task(), "push");
   EXPECT_EQ(config.ppo().learning_rate(), 1e-3);
   EXPECT_EQ(config.ppo().clip(), 0.25);
@@ -600,8 +632,8 @@ TEST_F(ConfigDraftTest, LaterSourcesOverrideEarlierOnes) {
 TEST_F(ConfigDraftTest, AListInAFileReplacesTheRunsOwn) {
   ConfigDraft draft(Resolve(Push()));
   draft.ReadFile(path_);
-  EXPECT_EQ(draft.Finish().policy().hidden_size(), 2);
-  EXPECT_EQ(draft.Finish().policy().hidden(0), 8);
+  EXPECT_EQ(draft.Finish(test::Describe).policy().hidden_size(), 2);
+  EXPECT_EQ(draft.Finish(test::Describe).policy().hidden(0), 8);
 }
 
 TEST_F(ConfigDraftTest, ComplaintsNameTheSourceOfTheValue) {
@@ -610,7 +642,7 @@ TEST_F(ConfigDraftTest, ComplaintsNameTheSourceOfTheValue) {
   draft.ReadFile(path_);
   draft.Set("policy.heads", "0", "--heads");
   draft.SetFromArgument("ppo.clip=-1");
-  const std::string error = ErrorOf([&] { static_cast<void>(draft.Finish()); });
+  const std::string error = ErrorOf([&] { static_cast<void>(draft.Finish(test::Describe)); });
   EXPECT_NE(error.find(path_ + ":7:3: collection.overlap is 3"), std::string::npos) << error;
   EXPECT_NE(error.find("--heads: policy.heads is 0"), std::string::npos) << error;
   EXPECT_NE(error.find("--set: ppo.clip is -1"), std::string::npos) << error;

@@ -39,10 +39,10 @@ TEST(ConvertTest, EpisodeWhoseArraysDisagreeIsRefused) {
   EXPECT_EQ(Complaint(good), "");
   wire::Episode bad = good;
   bad.observation().pop_back();
-  EXPECT_EQ(Complaint(bad), "observation has 428 elements instead of 429");
+  EXPECT_EQ(Complaint(bad), "observation has 428 elements, which make no 11 rows of 1 to 1024");
   bad = good;
   bad.action().push_back(0);
-  EXPECT_EQ(Complaint(bad), "action has 41 elements instead of 40");
+  EXPECT_EQ(Complaint(bad), "action has 41 elements, which make no 10 rows of 1 to 64");
   bad = good;
   bad.log_prob().clear();
   EXPECT_EQ(Complaint(bad), "log_prob has 0 elements instead of 10");
@@ -55,9 +55,19 @@ TEST(ConvertTest, EpisodeWhoseArraysDisagreeIsRefused) {
   EXPECT_NE(Complaint(wire::Episode()), "");
 }
 
-TEST(ConvertTest, EpisodeLongerThanTheTimeLimitIsRefusedBothWays) {
-  EXPECT_NO_THROW(ToWire(SomeEpisode(1, 500)));
-  EXPECT_THROW(ToWire(SomeEpisode(1, 501)), Malformed);
+TEST(ConvertTest, EpisodesBeyondTheCeilingsAreRefusedBothWays) {
+  EXPECT_NO_THROW(ToWire(SomeEpisode(1, 10000)));
+  EXPECT_THROW(ToWire(SomeEpisode(1, 10001)), Malformed);
+  EpisodeMessage wide = SomeEpisode(1, 2);
+  wide.episode.observation.assign(3 * 1024, 0);
+  wide.episode.action.assign(2 * 64, 0);
+  EXPECT_NO_THROW(ToWire(wide));
+  EpisodeMessage wider = wide;
+  wider.episode.observation.assign(3 * 1025, 0);
+  EXPECT_THROW(ToWire(wider), Malformed);
+  wider = wide;
+  wider.episode.action.assign(2 * 65, 0);
+  EXPECT_THROW(ToWire(wider), Malformed);
 }
 
 TEST(ConvertTest, SnapshotWithOneChangedBitIsRefused) {

@@ -16,6 +16,7 @@
 #include "learner/record/inspect.h"
 #include "learner/record/run_folder.h"
 #include "learner/run/initial_weights.h"
+#include "tests/unit/support/environments.h"
 #include "tests/unit/support/temporary_folder.h"
 
 namespace metronome {
@@ -31,7 +32,7 @@ class OptionsTest : public TemporaryFolderTest {
     for (const auto& argument : arguments) argv.push_back(argument.c_str());
     ::testing::internal::CaptureStdout();
     ::testing::internal::CaptureStderr();
-    auto parsed = ParseLearnerCommand(static_cast<int>(argv.size()), argv.data());
+    auto parsed = ParseLearnerCommand(static_cast<int>(argv.size()), argv.data(), test::Describe);
     out_ = ::testing::internal::GetCapturedStdout();
     err_ = ::testing::internal::GetCapturedStderr();
     return parsed;
@@ -81,7 +82,7 @@ TEST_F(OptionsTest, DefaultsAreThoseOfTheConfiguration) {
   EXPECT_EQ(options.log.level, "info");
   EXPECT_EQ(options.log.format, "text");
   RunConfig expected;
-  expected.mutable_environment()->set_task("push");
+  test::SetTask(expected, "push");
   EXPECT_EQ(options.config.SerializeAsString(), Resolve(expected).SerializeAsString());
 }
 
@@ -157,7 +158,7 @@ TEST_F(OptionsTest, UnknownNamesGetTheNearMissAndTheList) {
   ExpectUsageError(Parse({"rnu", "--run", "x"}),
                    "unknown command \"rnu\"; did you mean \"run\"? Known: run, inspect, config");
   ExpectUsageError(Parse({"run", "--run", "x", "--task", "psuh"}),
-                   "unknown task \"psuh\"; did you mean \"push\"? Known: assembly");
+                   "unknown environment \"psuh\"; Known: assembly");
   ExpectUsageError(ParseRun({"--method", "multihaed"}), "did you mean \"multihead\"?");
   ExpectUsageError(ParseRun({"--set", "ppo.learning_rte=1"}), "did you mean \"learning_rate\"?");
   ExpectUsageError(ParseRun({"--progress", "jason"}), "did you mean \"json\"?");
@@ -196,13 +197,33 @@ TEST_F(OptionsTest, HelpNamesEveryOptionWithItsDefaultAndExitsZero) {
   const auto parsed = Parse({"run", "--help"});
   ASSERT_TRUE(std::holds_alternative<int>(parsed));
   EXPECT_EQ(std::get<int>(parsed), 0);
-  for (const std::string text :
-       {"--run",       "--runs-dir",         "--resume",    "--new-total",    "--progress",
-        "--log-level", "--log-format",       "--task",      "--method",       "--heads",
-        "--steps",     "[default: 2000000]", "--seed",      "--horizon",      "--placements",
-        "--goal",      "--domain",           "--transport", "--network",      "[default: loopback]",
-        "--threads",   "--checkpoint-every", "--metrics",   "[default: off]", "--config",
-        "--set",       "bin-picking"}) {
+  for (const std::string text : {"--run",
+                                 "--runs-dir",
+                                 "--resume",
+                                 "--new-total",
+                                 "--progress",
+                                 "--log-level",
+                                 "--log-format",
+                                 "--task",
+                                 "--method",
+                                 "--heads",
+                                 "--steps",
+                                 "[default: 2000000]",
+                                 "--seed",
+                                 "--horizon",
+                                 "--placements",
+                                 "--goal",
+                                 "--domain",
+                                 "--transport",
+                                 "--network",
+                                 "[default: loopback]",
+                                 "--threads",
+                                 "--checkpoint-every",
+                                 "--metrics",
+                                 "[default: off]",
+                                 "--config",
+                                 "--set",
+                                 "`metronome-actor environment`"}) {
     EXPECT_NE(out_.find(text), std::string::npos) << text;
   }
 }
@@ -332,7 +353,8 @@ TEST_F(CheckpointOptionsTest, ANewRunMayBeginWithTheWeightsOfAnother) {
   ASSERT_TRUE(std::holds_alternative<LearnerCommand>(parsed)) << err_;
   const auto options = std::get<RunOptions>(std::get<LearnerCommand>(parsed));
   EXPECT_EQ(options.config.policy().initial_weights(), File());
-  const auto differences = DifferencesFrom(LoadInitialWeights(options.config), options.config);
+  const auto differences =
+      DifferencesFrom(LoadInitialWeights(options.config, test::Describe), options.config);
   const std::string text = ::testing::PrintToString(differences.intended);
   for (const std::string line :
        {"environment.task: trained with push, this run has assembly",
@@ -348,7 +370,7 @@ TEST_F(CheckpointOptionsTest, AnotherMeaningOfTheHeadsIsDoubtful) {
   RunConfig config = config_;
   config.mutable_policy()->set_initial_weights(File());
   config.mutable_policy()->set_schedule(SCHEDULE_INTERLEAVED);
-  const auto differences = DifferencesFrom(LoadInitialWeights(config), config);
+  const auto differences = DifferencesFrom(LoadInitialWeights(config, test::Describe), config);
   EXPECT_EQ(differences.doubtful,
             (std::vector<std::string>{"policy.schedule: trained with blocks, this run has "
                                       "interleaved"}));
@@ -402,7 +424,7 @@ TEST_F(OptionsTest, ConfigPrintsWhatRunWouldUse) {
 
 Checkpoint TwoHeads() {
   Checkpoint checkpoint;
-  checkpoint.config.mutable_environment()->set_task("push");
+  test::SetTask(checkpoint.config, "push");
   SetField(checkpoint.config, "policy.hidden", "2");
   SetField(checkpoint.config, "policy.heads", "2");
   checkpoint.config = Resolve(checkpoint.config);

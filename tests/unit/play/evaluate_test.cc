@@ -2,16 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <set>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "actor/metaworld/placement.h"
+#include "actor/metaworld/tasks/environments.h"
 #include "actor/metaworld/tasks/task_table.h"
 #include "actor/play/rollout.h"
 #include "actor/play/training_differences.h"
@@ -20,9 +24,29 @@
 #include "common/policy/head_schedule.h"
 #include "common/policy/network.h"
 #include "common/process/build_info.h"
+#include "tests/unit/support/environments.h"
 
 namespace metronome {
 namespace {
+
+const EnvironmentRegistry& Registry() {
+  static const EnvironmentRegistry registry(metaworld::Environments());
+  return registry;
+}
+
+metaworld::RandVec PlacementAt(const RunConfig& config, EpisodeStart start) {
+  return metaworld::StartPlacement(metaworld::FindTask(config.environment().task()),
+                                   config.environment().placements(), start);
+}
+
+metaworld::RandVec TrainingPlacement(const RunConfig& config, std::uint64_t number) {
+  return PlacementAt(config, TrainingStart(config, number));
+}
+
+metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const RunConfig& config,
+                                       std::uint64_t index) {
+  return PlacementAt(config, EvaluationStart(options, config, index));
+}
 
 // Values of the textbook example (Wilson 1927; Newcombe 1998, table I): 81 of 263, 15 of 148, 0 of
 // 20, 1 of 29.
@@ -47,7 +71,7 @@ TEST(WilsonIntervalTest, AgreesWithPublishedValues) {
 TEST(EvaluationPlacementTest, IsDrawnByNoTrainingRun) {
   EvaluateOptions options;
   RunConfig config;
-  config.mutable_environment()->set_task("push");
+  test::SetTask(config, "push");
   std::set<metaworld::RandVec> evaluation;
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     options.seed = seed;
@@ -66,7 +90,7 @@ TEST(EvaluationPlacementTest, IsDrawnByNoTrainingRun) {
 
 TEST(TrainingPlacementTest, FixedIsOneForTheRunAndRandomOneForEachEpisode) {
   RunConfig config;
-  config.mutable_environment()->set_task("box-close");
+  test::SetTask(config, "box-close");
   EXPECT_NE(TrainingPlacement(config, 0), TrainingPlacement(config, 1));
   EXPECT_EQ(TrainingPlacement(config, 7), TrainingPlacement(config, 7));
   config.mutable_environment()->set_placements(PLACEMENTS_FIXED);
@@ -79,7 +103,7 @@ TEST(TrainingPlacementTest, FixedIsOneForTheRunAndRandomOneForEachEpisode) {
 Checkpoint TrainedOn(Placements placements, std::uint64_t seed) {
   Checkpoint checkpoint;
   checkpoint.config.set_seed(seed);
-  checkpoint.config.mutable_environment()->set_task("push");
+  test::SetTask(checkpoint.config, "push");
   checkpoint.config.mutable_environment()->set_placements(placements);
   checkpoint.config = Resolve(checkpoint.config);
   checkpoint.engine = EngineName();
@@ -95,7 +119,8 @@ EvaluateOptions With(const std::string& placements, std::uint64_t seed) {
 }
 
 std::vector<std::string> Differences(const Checkpoint& checkpoint, const EvaluateOptions& options) {
-  return DifferencesFromTraining(checkpoint, options, ConfigToEvaluate(checkpoint, options));
+  return DifferencesFromTraining(checkpoint, options,
+                                 ConfigToEvaluate(checkpoint, options, Registry()));
 }
 
 TEST(EvaluationPlacementTest, FixedIsTheRunsOwnWhateverTheEvaluationsSeed) {
@@ -103,13 +128,13 @@ TEST(EvaluationPlacementTest, FixedIsTheRunsOwnWhateverTheEvaluationsSeed) {
   const auto own = TrainingPlacement(checkpoint.config, 12);
   for (const std::uint64_t seed : {1U, 8U}) {
     EvaluateOptions options = With("fixed", seed);
-    const RunConfig config = ConfigToEvaluate(checkpoint, options);
+    const RunConfig config = ConfigToEvaluate(checkpoint, options, Registry());
     EXPECT_EQ(EvaluationPlacement(options, config, 0), own);
     EXPECT_EQ(EvaluationPlacement(options, config, 3), own);
     options.task = "box-close-v3";
     RunConfig elsewhere = checkpoint.config;
-    elsewhere.mutable_environment()->set_task("box-close");
-    EXPECT_EQ(EvaluationPlacement(options, ConfigToEvaluate(checkpoint, options), 0),
+    test::SetTask(elsewhere, "box-close");
+    EXPECT_EQ(EvaluationPlacement(options, ConfigToEvaluate(checkpoint, options, Registry()), 0),
               TrainingPlacement(elsewhere, 0));
   }
 }
@@ -117,16 +142,24 @@ TEST(EvaluationPlacementTest, FixedIsTheRunsOwnWhateverTheEvaluationsSeed) {
 TEST(DifferentEpisodesTest, FixedPlacementsMakeOneUnlessHeadsAreShuffled) {
   Checkpoint checkpoint = TrainedOn(PLACEMENTS_FIXED, 7);
   EvaluateOptions options = With("fixed", 1);
-  EXPECT_EQ(DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options)), 1);
+  EXPECT_EQ(
+      DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options, Registry()), Registry()), 1);
   options.placements = "mt1";
-  EXPECT_EQ(DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options)), 50);
+  EXPECT_EQ(
+      DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options, Registry()), Registry()),
+      50);
   options.placements = "random";
-  EXPECT_EQ(DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options)), std::nullopt);
+  EXPECT_EQ(
+      DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options, Registry()), Registry()),
+      std::nullopt);
   options.placements = "fixed";
   checkpoint.config.mutable_policy()->set_schedule(SCHEDULE_SHUFFLED);
-  EXPECT_EQ(DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options)), std::nullopt);
+  EXPECT_EQ(
+      DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options, Registry()), Registry()),
+      std::nullopt);
   options.head_order = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
-  EXPECT_EQ(DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options)), 1);
+  EXPECT_EQ(
+      DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options, Registry()), Registry()), 1);
 }
 
 TEST(DifferencesFromTrainingTest, AreNoneWhereAllIsAsInTraining) {
@@ -158,7 +191,7 @@ TEST(DifferencesFromTrainingTest, AreAllNamed) {
   EvaluateOptions options = With("random", 1);
   options.task = "assembly";
   options.head_order = {9, 1, 2, 3, 4, 5, 6, 7, 8, 0};
-  RunConfig played = ConfigToEvaluate(checkpoint, options);
+  RunConfig played = ConfigToEvaluate(checkpoint, options, Registry());
   played.mutable_environment()->set_horizon(400);
   played.mutable_environment()->set_goal_visible(false);
   std::string all;
@@ -180,38 +213,46 @@ TEST(DifferencesFromTrainingTest, ABuildThatDidNotNameAllItsPartsIsNoOther) {
   EXPECT_TRUE(Differences(checkpoint, With("random", 1)).empty());
 }
 
-/// Succeeds at the steps (counted from 1) that it is told to, and pays a reward of 1 a step.
-class ScriptedEnvironment : public metaworld::Environment {
+/// Succeeds at the steps (counted from 1) that it is told to, pays a reward of 1 a step, and ends
+/// after `length` steps.
+class ScriptedEnvironment : public Environment {
  public:
-  explicit ScriptedEnvironment(std::set<int> successes) : successes_(std::move(successes)) {}
-  metaworld::Observation Reset(const metaworld::RandVec& /*placement*/) override {
+  explicit ScriptedEnvironment(std::set<int> successes, int length = 1000, bool terminates = false)
+      : successes_(std::move(successes)), length_(length), terminates_(terminates) {}
+  void Reset(EpisodeStart& /*start*/, std::span<float> observation) override {
     step_ = 0;
-    return {};
+    std::fill(observation.begin(), observation.end(), 0.0F);
   }
-  metaworld::StepResult Step(const metaworld::Action& /*action*/) override {
+  StepOutcome Step(std::span<const float> /*action*/, std::span<float> /*observation*/) override {
     ++step_;
-    metaworld::StepResult result;
-    result.reward = 1;
-    result.info.success = successes_.count(step_) > 0;
-    return result;
+    const bool ends = step_ == length_;
+    return {.reward = 1,
+            .success = successes_.count(step_) > 0,
+            .terminated = ends && terminates_,
+            .truncated = ends && !terminates_};
   }
 
  private:
   std::set<int> successes_;
+  int length_;
+  bool terminates_;
   int step_ = 0;
 };
 
-EvaluatedEpisode PlayWithSuccessesAt(std::set<int> steps) {
+const EpisodeStart kStart({RandomPurpose::kEvaluate, 1, 0});
+
+EvaluatedEpisode PlayWithSuccessesAt(std::set<int> steps, int length = 1000) {
   RunConfig given;
-  given.mutable_environment()->set_task("push");
+  test::SetTask(given, "push");
   given.mutable_environment()->set_horizon(20);
   const RunConfig config = Resolve(given);
   PolicySnapshot snapshot;
   snapshot.parameters.resize(ActorLayout(ShapeOf(config)).size);
-  snapshot.observation_mean.resize(kObservationSize);
-  snapshot.observation_inv_std.resize(kObservationSize);
-  ScriptedEnvironment environment(std::move(steps));
-  return PlayDeterministic(config, snapshot, EvaluationSchedule({}, config, 0), {}, environment);
+  snapshot.observation_mean.resize(test::kObservationSize);
+  snapshot.observation_inv_std.resize(test::kObservationSize);
+  ScriptedEnvironment environment(std::move(steps), length);
+  return PlayDeterministic(config, snapshot, EvaluationSchedule({}, config, 0), kStart,
+                           environment);
 }
 
 TEST(PlayDeterministicTest, CountsStepsToTheFirstSuccess) {
@@ -226,30 +267,37 @@ TEST(PlayDeterministicTest, CountsStepsToTheFirstSuccess) {
   const EvaluatedEpisode never = PlayWithSuccessesAt({});
   EXPECT_FALSE(never.success);
   EXPECT_EQ(never.steps_to_success, 0);
+  EXPECT_EQ(never.length, 20);
+}
+
+TEST(PlayDeterministicTest, AnEpisodeThatTheEnvironmentEndsIsShorter) {
+  const EvaluatedEpisode cut = PlayWithSuccessesAt({7}, 7);
+  EXPECT_EQ(cut.length, 7);
+  EXPECT_EQ(cut.episode_return, 7);
+  EXPECT_TRUE(cut.success_end);
 }
 
 /// Remembers the actions; the observation after t steps is t everywhere.
-class RecordingEnvironment final : public metaworld::Environment {
+class RecordingEnvironment final : public Environment {
  public:
-  metaworld::Observation Reset(const metaworld::RandVec& /*placement*/) override {
+  void Reset(EpisodeStart& /*start*/, std::span<float> observation) override {
     actions.clear();
+    std::fill(observation.begin(), observation.end(), 0.0F);
+  }
+  StepOutcome Step(std::span<const float> action, std::span<float> observation) override {
+    actions.emplace_back(action.begin(), action.end());
+    std::fill(observation.begin(), observation.end(), float(actions.size()));
     return {};
   }
-  metaworld::StepResult Step(const metaworld::Action& action) override {
-    actions.push_back(action);
-    metaworld::StepResult result;
-    result.observation.fill(double(actions.size()));
-    return result;
-  }
 
-  std::vector<metaworld::Action> actions;
+  std::vector<std::vector<float>> actions;
 };
 
 /// A policy whose action is its head: all weights are zero, head j's biases are j.
 struct HeadsAsActions {
   explicit HeadsAsActions(Schedule schedule) {
     config.set_seed(3);
-    config.mutable_environment()->set_task("push");
+    test::SetTask(config, "push");
     config.mutable_environment()->set_horizon(40);
     config.mutable_policy()->set_heads(5);
     config.mutable_policy()->add_hidden(4);
@@ -261,8 +309,8 @@ struct HeadsAsActions {
       snapshot.parameters[layout.head.bias + i] = float(head);
       snapshot.parameters[layout.log_std + i] = -80;
     }
-    snapshot.observation_mean.assign(kObservationSize, 0.0F);
-    snapshot.observation_inv_std.assign(kObservationSize, 1.0F);
+    snapshot.observation_mean.assign(test::kObservationSize, 0.0F);
+    snapshot.observation_inv_std.assign(test::kObservationSize, 1.0F);
   }
 
   RunConfig config;
@@ -271,7 +319,7 @@ struct HeadsAsActions {
 
 std::vector<std::int32_t> HeadsOf(const RecordingEnvironment& environment) {
   std::vector<std::int32_t> heads;
-  for (const metaworld::Action& action : environment.actions) {
+  for (const std::vector<float>& action : environment.actions) {
     heads.push_back(static_cast<std::int32_t>(std::lround(action[0])));
   }
   return heads;
@@ -284,7 +332,7 @@ TEST(PlayDeterministicTest, HeadsFollowTheScheduleAndTheEvaluationsOwnOrders) {
     EvaluateOptions options;
     options.seed = 9;
     PlayDeterministic(policy.config, policy.snapshot, EvaluationSchedule(options, policy.config, 2),
-                      {}, environment);
+                      kStart, environment);
     const auto order = Permutation(5, {RandomPurpose::kHeadOrder, 9, 2, 2 /* kEvaluate */});
     const std::vector<std::int32_t> heads = HeadsOf(environment);
     ASSERT_EQ(heads.size(), 40U);
@@ -305,7 +353,7 @@ TEST(PlayDeterministicTest, HeadsFollowTheOrderThatIsAskedFor) {
   for (const Schedule schedule : {SCHEDULE_BLOCKS, SCHEDULE_SHUFFLED}) {
     const HeadsAsActions policy(schedule);
     PlayDeterministic(policy.config, policy.snapshot, EvaluationSchedule(options, policy.config, 2),
-                      {}, environment);
+                      kStart, environment);
     const std::vector<std::int32_t> heads = HeadsOf(environment);
     ASSERT_EQ(heads.size(), 40U);
     for (std::size_t t = 0; t < 40; ++t) {
@@ -329,11 +377,33 @@ TEST(PlayEpisodeTest, TagsAndActionsAreThoseOfTheSchedulesHeads) {
   }
 }
 
+TEST(PlayEpisodeTest, EndsWhereTheEnvironmentEndsAndSaysWhy) {
+  HeadsAsActions policy(SCHEDULE_BLOCKS);
+  policy.config.mutable_environment()->mutable_spec()->set_may_end_early(true);
+  const std::atomic<bool> cancel{false};
+  const auto end_of = [&](int length, bool terminates) {
+    ScriptedEnvironment environment({}, length, terminates);
+    const auto episode = PlayEpisode(policy.config, policy.snapshot, 17, environment, cancel);
+    EXPECT_EQ(episode->observation.size(), std::size_t(episode->length() + 1) * 39);
+    EXPECT_EQ(episode->action.size(), std::size_t(episode->length()) * 4);
+    return std::pair(episode->length(), int(episode->flags.back()));
+  };
+  EXPECT_EQ(end_of(7, true), std::pair(7, int(kStepTerminated)));
+  EXPECT_EQ(end_of(7, false), std::pair(7, int(kStepTruncated)));
+  EXPECT_EQ(end_of(40, true), std::pair(40, int(kStepTerminated)));
+  EXPECT_EQ(end_of(40, false), std::pair(40, int(kStepTruncated)));
+  EXPECT_EQ(end_of(1000, false), std::pair(40, int(kStepTruncated))) << "the horizon ends it";
+  policy.config.mutable_environment()->mutable_spec()->set_may_end_early(false);
+  ScriptedEnvironment environment({}, 7);
+  EXPECT_THROW(PlayEpisode(policy.config, policy.snapshot, 17, environment, cancel),
+               std::logic_error);
+}
+
 TEST(RunEvaluateTest, NamesWhatIsWrongWithItsOptions) {
   const auto fail = [](const EvaluateOptions& options, int want) {
     std::ostringstream out;
     std::ostringstream err;
-    EXPECT_EQ(RunEvaluate(options, out, err), want);
+    EXPECT_EQ(RunEvaluate(options, Registry(), out, err), want);
     EXPECT_EQ(out.str(), "");
     return err.str();
   };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/numbers/random.h"
+#include "tests/unit/support/environments.h"
 
 namespace metronome {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 RunConfig ConfigWith(double correlation, std::uint64_t seed = 5) {
   RunConfig config;
   config.set_seed(seed);
-  config.mutable_environment()->set_task("push");
+  test::SetTask(config, "push");
   config.mutable_policy()->set_noise_correlation(correlation);
   return config;
 }
@@ -38,18 +39,20 @@ TEST(ActionNoiseTest, WhiteNoiseIsTheStreamOfTheStepItself) {
   for (const int t : {0, 17, 4}) {
     RandomStream stream(RandomPurpose::kTrain, 5, 9, std::uint64_t(t));
     const ActionNoise::Numbers numbers = noise.At(t);
-    for (const float number : numbers) EXPECT_EQ(number, static_cast<float>(stream.Normal()));
+    for (int i = 0; i < test::kActionSize; ++i) {
+      EXPECT_EQ(numbers[i], static_cast<float>(stream.Normal()));
+    }
   }
 }
 
 TEST(ActionNoiseTest, FollowsTheRecursionOfIndependentNumbers) {
   const double rho = 0.8;
   ActionNoise noise(ConfigWith(rho), 9);
-  std::array<double, kActionSize> want{};
+  std::array<double, test::kActionSize> want{};
   for (int t = 0; t < 30; ++t) {
     RandomStream stream(RandomPurpose::kTrain, 5, 9, std::uint64_t(t));
     const ActionNoise::Numbers numbers = noise.At(t);
-    for (int i = 0; i < kActionSize; ++i) {
+    for (int i = 0; i < test::kActionSize; ++i) {
       const double fresh = stream.Normal();
       want[i] = t == 0 ? fresh : rho * want[i] + 0.6 * fresh;  // 0.6^2 + 0.8^2 = 1
       EXPECT_NEAR(numbers[i], want[i], 1e-6) << "t = " << t;

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/unit/support/environments.h"
+
 namespace metronome {
 namespace {
 
@@ -166,7 +168,7 @@ TEST(ShuffledTest, NumberSeedAndPurposeOfTheEpisodeChangeTheOrderAndNothingElseD
   }
   EXPECT_EQ(orders.size(), 2U * 5U * 50U);
   RunConfig config = Config(SCHEDULE_SHUFFLED, 10, 500);
-  config.mutable_environment()->set_task("box-close");
+  test::SetTask(config, "box-close");
   config.mutable_policy()->set_critic_heads(CRITIC_HEADS_SHARED);
   config.mutable_ppo()->set_learning_rate(1);
   config.mutable_runtime()->set_domain(7);

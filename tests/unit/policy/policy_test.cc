@@ -15,6 +15,7 @@
 #include "common/policy/snapshot.h"
 #include "learner/ppo/trainer.h"
 #include "tests/unit/support/double_network.h"
+#include "tests/unit/support/environments.h"
 #include "tests/unit/support/synthetic_run.h"
 
 namespace metronome {
@@ -74,7 +75,7 @@ TEST_P(PolicyTest, MeanAgreesWithTheNetworksDefinitionAtEveryStep) {
   Policy policy(config, snapshot);
   RandomStream random(RandomPurpose::kEvaluate, 4, 5, 6);
   for (int t = 0; t < config.environment().horizon(); ++t) {
-    std::vector<float> observation(kObservationSize);
+    std::vector<float> observation(test::kObservationSize);
     for (float& value : observation) value = float(3 * random.Normal());
     const auto mean = policy.Mean(schedule, observation.data(), t);
     const auto want =
@@ -88,12 +89,13 @@ TEST_P(PolicyTest, SeveralStepsTogetherGiveTheBitsOfEachAlone) {
   const HeadSchedule schedule = ScheduleOfSix(config);
   Policy policy(config, RandomSnapshot(config));
   RandomStream random(RandomPurpose::kEvaluate, 4, 5, 7);
-  std::vector<float> observations(Policy::kStates * kObservationSize);
+  std::vector<float> observations(Policy::kStates * test::kObservationSize);
   for (int t = 0; t + Policy::kStates <= config.environment().horizon(); ++t) {
     for (float& value : observations) value = float(3 * random.Normal());
     const auto means = policy.Means(schedule, observations.data(), t);
     for (int i = 0; i < Policy::kStates; ++i) {
-      EXPECT_EQ(means[i], policy.Mean(schedule, observations.data() + i * kObservationSize, t + i));
+      EXPECT_EQ(means[i],
+                policy.Mean(schedule, observations.data() + i * test::kObservationSize, t + i));
     }
   }
 }
@@ -103,7 +105,7 @@ TEST_P(PolicyTest, TheLogProbabilityIsTheUnclippedActionsDensity) {
   const HeadSchedule schedule = ScheduleOfSix(config);
   const PolicySnapshot snapshot = RandomSnapshot(config);
   Policy policy(config, snapshot);
-  const std::vector<float> observation(kObservationSize, 0.4F);
+  const std::vector<float> observation(test::kObservationSize, 0.4F);
   const std::size_t log_std = ActorLayout(ShapeOf(config)).log_std;
   for (const int t : {0, 20, 39}) {
     const Policy::Decision decision =
@@ -132,8 +134,8 @@ TEST(PolicyTest, ActingTwiceOrAfterOtherStatesGivesEqualBits) {
   const PolicySnapshot snapshot = RandomSnapshot(config);
   Policy fresh(config, snapshot);
   Policy used(config, snapshot);
-  const std::vector<float> other(kObservationSize, -1.0F);
-  const std::vector<float> observation(kObservationSize, 0.7F);
+  const std::vector<float> other(test::kObservationSize, -1.0F);
+  const std::vector<float> observation(test::kObservationSize, 0.7F);
   const HeadSchedule schedule = ScheduleOfSix(config);
   for (int t = 0; t < 40; ++t) (void)used.Act(schedule, other.data(), t, {1, 1, 1, 1});
   const auto a = fresh.Act(schedule, observation.data(), 17, {0.5F, -1.0F, 2.0F, 0.1F});
@@ -152,7 +154,7 @@ TEST(PolicyTest, RefusesASnapshotOfAnotherShape) {
 Policy::Decision DecideOn(const RunConfig& config, const PolicySnapshot& snapshot, float observed) {
   Policy policy(config, snapshot);
   const HeadSchedule schedule(config, TrainingEpisode(config, 0));
-  const std::vector<float> observation(kObservationSize, observed);
+  const std::vector<float> observation(test::kObservationSize, observed);
   return policy.Act(schedule, observation.data(), 0, {8.5F, -8.5F, 0.5F, 0.0F});
 }
 
@@ -208,7 +210,7 @@ TEST(SnapshotDefectTest, NamesWhatNoActorCanActWith) {
 TEST(PolicyTest, RefusesAScheduleOfAnotherNumberOfHeads) {
   Policy policy(SmallConfig(), RandomSnapshot(SmallConfig()));
   const HeadSchedule four = ScheduleOfSix(SmallConfig(MULTIHEAD, 4));
-  const std::vector<float> observation(Policy::kStates * kObservationSize, 0.4F);
+  const std::vector<float> observation(Policy::kStates * test::kObservationSize, 0.4F);
   EXPECT_THROW((void)policy.Mean(four, observation.data(), 0), std::invalid_argument);
   EXPECT_THROW((void)policy.Means(four, observation.data(), 0), std::invalid_argument);
   EXPECT_THROW((void)policy.ActAround(four, {}, 0, {}), std::invalid_argument);

@@ -43,7 +43,7 @@ PolicyLoss Ours(const Case& c) {
   sample.proximal_log_prob = float(c.proximal);
   sample.behaviour_weight = float(c.weight);
   sample.advantage = float(c.advantage);
-  return ComputePolicyLoss(sample, mean.data(), std_dev.data(), log_std.data(), float(c.clip));
+  return ComputePolicyLoss(sample, mean.data(), std_dev.data(), log_std.data(), 4, float(c.clip));
 }
 
 Case Base(double proximal, double advantage, double weight) {

@@ -281,7 +281,7 @@ TEST(EpisodeCheckTest, AcceptsTheActorsEpisodeAndNamesWhatIsWrongWithOthers) {
     EXPECT_NE(reason.find(part), std::string::npos) << reason;
   };
   expect_reason(reason_of([](Episode& e) { e.weights_version = 3; }), "version 3");
-  expect_reason(reason_of([](Episode& e) { e.reward.pop_back(); }), "reward has length 39");
+  expect_reason(reason_of([](Episode& e) { e.reward.pop_back(); }), "it has 39 steps, not 40");
   expect_reason(reason_of([](Episode& e) { e.observation.pop_back(); }), "observation has length");
   expect_reason(reason_of([](Episode& e) { e.action.push_back(0); }), "action has length");
   expect_reason(reason_of([](Episode& e) { e.reward[3] = NAN; }), "reward is not finite");

@@ -8,6 +8,7 @@
 
 #include "learner/ppo/trainer.h"
 #include "tests/unit/support/double_network.h"
+#include "tests/unit/support/environments.h"
 #include "tests/unit/support/synthetic_run.h"
 
 namespace metronome {
@@ -46,8 +47,8 @@ class TrainingBatchTest : public ::testing::TestWithParam<std::tuple<Schedule, C
 
   /// Input of the networks: version 0 has no statistics, observations are far from the clip.
   [[nodiscard]] std::vector<double> InputAt(std::size_t episode, int t) const {
-    const auto row = episodes_[episode].observation.begin() + t * kObservationSize;
-    std::vector<double> input(row, row + kObservationSize);
+    const auto row = episodes_[episode].observation.begin() + t * test::kObservationSize;
+    std::vector<double> input(row, row + test::kObservationSize);
     for (double& x : input) x = std::fmax(-10, std::fmin(10, x));
     return input;
   }

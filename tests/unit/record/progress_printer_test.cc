@@ -16,8 +16,7 @@ RunFacts Facts() {
   facts.run = "name";
   facts.path = "runs/name";
   facts.incarnation = 2;
-  facts.updates_total = 10;
-  facts.total_steps = 8000;
+  facts.length = {8000, 10, false};
   facts.network = "loopback";
   facts.transport = "udp";
   return facts;

@@ -118,7 +118,7 @@ TEST(RunRenderTest, NamesWhatIsWrongWithItsOptions) {
   const auto fail = [](const RenderOptions& options, int want) {
     std::ostringstream out;
     std::ostringstream err;
-    EXPECT_EQ(RunRender(options, out, err), want) << err.str();
+    EXPECT_EQ(RunRender(options, EnvironmentRegistry({}), out, err), want) << err.str();
     EXPECT_EQ(out.str(), "");
     return err.str();
   };

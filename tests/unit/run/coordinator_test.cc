@@ -51,7 +51,7 @@ TEST(CoordinatorTest, ARunLearnsFromEachNumberOnceInOrderAndEndsWithItsAccounts)
 
 TEST(CoordinatorTest, WhoeverWatchesIsToldOnceASecondAndAtTheEnd) {
   FakeRun run;
-  run.setup.status = {"push", "here", 42, 120};
+  run.setup.status = {"push", "here", 42, {120, 3, false}};
   std::vector<LearnerStatus> shown;
   run.setup.on_status = [&shown](const LearnerStatus& status) { shown.push_back(status); };
   run.AddActor(1, 2).duration = milliseconds(3000);
@@ -124,6 +124,26 @@ TEST(CoordinatorTest, AStatusCountsTheEpisodesOfAnActorThatCameAfterAThousandOth
   EXPECT_EQ(run.Run(), kExitFinished);
   EXPECT_GT(accepted.at("host6000:0"), 0U);
   EXPECT_GT(accepted.at("host5000:0"), 0U) << "who is there keeps its counts";
+}
+
+TEST(CoordinatorTest, ARunOfEpisodesThatEndEarlyEndsWithTheUpdateThatReachesItsSteps) {
+  for (const std::uint64_t overlap : {0U, 1U}) {
+    FakeRun run;
+    run.setup.rules.overlap = overlap;
+    run.setup.rules.updates_total = 1000;  // if each episode had one step
+    run.setup.total_steps = 90;            // an update brings 40
+    run.setup.status.length = {90, 2, true};
+    run.setup.checkpoint_every = 100;
+    run.AddActor(1, 2);
+    EXPECT_EQ(run.Run(), kExitFinished);
+    EXPECT_EQ(run.learning.current.version, 3U);
+    EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
+    EXPECT_EQ(run.record.finished.find("every episode number entered exactly one update: 12 of 12"),
+              0U)
+        << run.record.finished;
+    EXPECT_EQ(run.record.saved.back().version, 3U);
+    EXPECT_EQ(run.bus.statuses.back().updates_total, 3U);
+  }
 }
 
 TEST(CoordinatorTest, AStoppedRunSaysSoToWhoeverWatches) {

@@ -11,6 +11,7 @@
 #include "learner/ppo/ppo_algorithm.h"
 #include "learner/ppo/ppo_state.h"
 #include "learner/ppo/trainer.h"
+#include "tests/unit/support/environments.h"
 #include "tests/unit/support/synthetic_run.h"
 #include "tests/unit/support/temporary_folder.h"
 
@@ -25,6 +26,7 @@ class RunStartTest : public TemporaryFolderTest {
     request_.run = "demo";
     request_.folder = root_ + "/demo";
     request_.config = Resolve(testing::SmallConfig());
+    request_.specs = test::Describe;
     fs::create_directories(request_.folder);
   }
 
@@ -148,7 +150,9 @@ TEST_F(RunStartTest, AnotherAlgorithmsWeightsAreNotBegunWith) {
 TEST_F(RunStartTest, ACheckpointRemembersTheWeightsThatItsRunBeganWith) {
   Checkpoint checkpoint = At(1);
   checkpoint.initial_weights_sha256 = "00ff";
-  EXPECT_EQ(DecodeCheckpoint(EncodeCheckpoint(checkpoint), "x").initial_weights_sha256, "00ff");
+  EXPECT_EQ(
+      DecodeCheckpoint(EncodeCheckpoint(checkpoint), "x", test::Describe).initial_weights_sha256,
+      "00ff");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "common/policy/head_schedule.h"
 #include "common/policy/policy.h"
 #include "common/schema/config.pb.h"
+#include "tests/unit/support/environments.h"
 
 /// A run without physics: small networks, and episodes whose observations are noise, whose actions
 /// are the policy's own and whose reward prefers small actions. Pure functions of their arguments.
@@ -19,7 +20,7 @@ inline RunConfig SmallConfig(Method method = MULTIHEAD, int heads = 3, int overl
   RunConfig config;
   config.set_seed(5);
   config.set_total_steps(4000);
-  config.mutable_environment()->set_task("push");
+  test::SetTask(config, "push");
   config.mutable_environment()->set_horizon(40);
   config.mutable_policy()->set_method(method);
   config.mutable_policy()->set_heads(method == MULTIHEAD ? heads : 1);
@@ -45,16 +46,17 @@ inline Episode SyntheticEpisode(const RunConfig& config, const PolicySnapshot& s
   const std::int32_t horizon = config.environment().horizon();
   RandomStream random(RandomPurpose::kEvaluate, 99, number, 0);
   for (std::int32_t t = 0; t <= horizon; ++t) {
-    for (int i = 0; i < kObservationSize; ++i) {
+    for (int i = 0; i < test::kObservationSize; ++i) {
       // Dimensions 11..17 are constant zeros, as in Meta-World.
       const bool constant = i >= 11 && i < 18;
       episode.observation.push_back(constant ? 0.0F : 0.3F * float(i) + float(random.Normal()));
     }
     if (t == horizon) break;
-    const float* row = episode.observation.data() + std::size_t(t) * kObservationSize;
+    const float* row = episode.observation.data() + std::size_t(t) * test::kObservationSize;
     const Policy::Decision decision = policy.Act(schedule, row, t, noise.At(t));
     float cost = 0;
-    for (const float action : decision.action) {
+    for (int i = 0; i < test::kActionSize; ++i) {
+      const float action = decision.action[i];
       episode.action.push_back(action);
       cost += action * action;
     }

@@ -1,4 +1,4 @@
-#include "actor/play/placements.h"
+#include "actor/replay/placements.h"
 
 #include <functional>
 #include <iostream>
@@ -6,10 +6,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "actor/environment/episode_start.h"
 #include "actor/metaworld/placement.h"
 #include "actor/metaworld/tasks/task_table.h"
-#include "actor/play/rollout.h"
-#include "common/config/task_names.h"
+#include "common/schema/config.pb.h"
 #include "common/text/near_miss.h"
 #include "common/text/number_text.h"
 
@@ -36,11 +36,14 @@ void Mt1(const PlacementsOptions& options, const Sink& sink) {
 
 void OfTraining(const PlacementsOptions& options, Placements mode, std::uint64_t count,
                 const Sink& sink) {
+  const metaworld::TaskSpec& task = metaworld::FindTask(options.task);
   RunConfig config;
-  config.mutable_environment()->set_task(CanonicalTaskName(options.task));
   config.mutable_environment()->set_placements(mode);
   config.set_seed(options.seed);
-  for (std::uint64_t number = 0; number < count; ++number) sink(TrainingPlacement(config, number));
+  for (std::uint64_t number = 0; number < count; ++number) {
+    EpisodeStart start = TrainingStart(config, number);
+    sink(metaworld::StartPlacement(task, mode, start));
+  }
 }
 
 void Place(const PlacementsOptions& options, const Sink& sink) {

@@ -3,11 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <vector>
-
-#include "common/messages/episode.h"
 
 namespace metronome::metaworld {
+
+inline constexpr int kObservationSize = 39;  // frame 18 | previous frame 18 | goal 3
+inline constexpr int kActionSize = 4;        // hand dx, dy, dz, gripper; clipped to -1..1
+inline constexpr int kMaxSteps = 500;        // the official time limit
 
 /// Metres, quaternions: the frame of now, the one of a step before (kFrameSize in sawyer.h), the
 /// goal's position.
@@ -35,19 +36,6 @@ struct StepResult {
 struct EnvironmentOptions {
   bool goal_visible = true;  // hidden: observation[36..38] are zeros, nothing else changes
   std::string assets;        // folder of the official scene files (".../metaworld/assets")
-};
-
-/// One Meta-World scene in MuJoCo. An episode is a pure function of the placement and the actions:
-/// no state of an earlier episode survives Reset. Not thread-safe; one per thread.
-class Environment {
- public:
-  virtual ~Environment() = default;
-  /// Starts an episode at `placement`, which rules it wholly (the official package's frozen
-  /// rand_vec semantics). @return the first observation, unclipped as the official one is.
-  virtual Observation Reset(const RandVec& placement) = 0;
-  /// Five physics substeps under `action`. @throws std::logic_error past step 500 or before Reset,
-  /// std::invalid_argument if a component is not finite.
-  virtual StepResult Step(const Action& action) = 0;
 };
 
 }  // namespace metronome::metaworld

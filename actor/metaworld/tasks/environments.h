@@ -1,0 +1,15 @@
+#pragma once
+
+#include <vector>
+
+#include "actor/environment/registry.h"
+
+namespace metronome::metaworld {
+
+/// The table of tasks as environments: metaworld/NAME, NAME, NAME-v2 and NAME-v3.
+std::vector<EnvironmentEntry> Environments();
+
+/// @throws std::runtime_error if this machine has no scene files (says to run deploy/setup).
+void RequireScenes();
+
+}  // namespace metronome::metaworld

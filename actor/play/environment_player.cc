@@ -1,0 +1,43 @@
+#include "actor/play/environment_player.h"
+
+#include "actor/play/canonical_episode.h"
+#include "actor/play/rollout.h"
+#include "common/policy/task_of.h"
+#include "common/process/cpu_times.h"
+
+namespace metronome {
+namespace {
+
+class EnvironmentPlayer final : public EpisodePlayer {
+ public:
+  EnvironmentPlayer(const EnvironmentRegistry& registry, const RunConfig& config)
+      : config_(config) {
+    environments_.push_back(registry.Make(config.environment()));
+  }
+
+  std::optional<Episode> Play(const PolicySnapshot& snapshot, std::uint64_t number,
+                              const std::atomic<bool>& cancel) override {
+    return PlayEpisode(config_, snapshot, number, *environments_.at(TaskOf(config_, number)),
+                       cancel);
+  }
+
+ private:
+  const RunConfig config_;
+  std::vector<std::unique_ptr<Environment>> environments_;  // by TaskOf
+};
+
+}  // namespace
+
+SetUpRun SetUpWith(const EnvironmentRegistry& registry) {
+  return [&registry](const RunConfig& config, int slots) {
+    const CpuTimer timer(CpuUse::kSetUp);
+    RunSetup setup;
+    for (int slot = 0; slot < slots; ++slot) {
+      setup.players.push_back(std::make_unique<EnvironmentPlayer>(registry, config));
+    }
+    setup.canonical_digest = CanonicalDigest(registry, config.environment().task());
+    return setup;
+  };
+}
+
+}  // namespace metronome

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "actor/client/episode_player.h"
+#include "actor/environment/registry.h"
+
+namespace metronome {
+
+/// Joins runs with the environments of `registry`, which must outlive it: players of the run's
+/// environment, and the digest of its canonical episode.
+SetUpRun SetUpWith(const EnvironmentRegistry& registry);
+
+}  // namespace metronome
