@@ -68,8 +68,9 @@ void RequireFit(const PpoState& state, const RunConfig& config) {
   if (!state.previous_actor.empty()) {
     RequireSize(state.previous_actor.size(), ActorLayout(shape).size, "the previous policy");
   }
-  RequireStatistics(state.observation, kObservationSize, "the observation statistics");
-  RequireStatistics(state.previous_observation, kObservationSize,
+  const auto observations = std::size_t(shape.observation);
+  RequireStatistics(state.observation, observations, "the observation statistics");
+  RequireStatistics(state.previous_observation, observations,
                     "the previous observation statistics");
   RequireStatistics(state.reward_return, 1, "the return statistics");
 }

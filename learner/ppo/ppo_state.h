@@ -16,7 +16,8 @@ struct PpoState : RunCounters {
   std::vector<float> adam_m;      // same length
   std::vector<float> adam_v;      // same length
   std::uint64_t adam_steps = 0;
-  RunningStatistics observation;    // 39 dimensions, enters snapshots from the next version on
+  RunningStatistics observation;    // a dimension each number of an observation; enters snapshots
+                                    // from the next version on
   RunningStatistics reward_return;  // 1 dimension: discounted return, the reward's scale
   /// overlap 1: what version - 1 acted with; batch `version` was played under it.
   std::vector<float> previous_actor;
