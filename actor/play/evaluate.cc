@@ -1,15 +1,13 @@
 #include "actor/play/evaluate.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <exception>
-#include <mutex>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <span>
 #include <stdexcept>
-#include <thread>
 
 #include "actor/play/training_differences.h"
 #include "common/config/config_fields.h"
@@ -69,27 +67,17 @@ Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
   const std::int32_t different = DifferentEpisodes(options, config, registry).value_or(asked);
   Evaluation evaluation;
   evaluation.episodes.resize(static_cast<std::size_t>(std::min(asked, different)));
-  std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex failure_mutex;
-  const auto work = [&](std::size_t /*thread*/) {
-    try {
-      const auto environment = registry.Make(config.environment());
-      for (std::size_t i = next++; i < evaluation.episodes.size(); i = next++) {
-        evaluation.episodes[i] =
-            PlayDeterministic(config, snapshot, EvaluationSchedule(options, config, i),
-                              EvaluationStart(options, config, i), *environment);
-      }
-    } catch (...) {
-      const std::lock_guard lock(failure_mutex);
-      failure = std::current_exception();
-    }
+  const auto make_worker = [&]() -> Worker {
+    const std::shared_ptr<Environment> environment = registry.Make(config.environment());
+    return [&, environment](std::size_t i) {
+      evaluation.episodes[i] =
+          PlayDeterministic(config, snapshot, EvaluationSchedule(options, config, i),
+                            EvaluationStart(options, config, i), *environment);
+    };
   };
-  std::vector<std::thread> threads = StartThreads(
-      static_cast<std::size_t>(ThreadsFor(options, evaluation.episodes.size())), work,
-      [&] { next = evaluation.episodes.size(); }, "--threads");
-  for (std::thread& thread : threads) thread.join();
-  if (failure) std::rethrow_exception(failure);
+  ShareOut(evaluation.episodes.size(),
+           static_cast<std::size_t>(ThreadsFor(options, evaluation.episodes.size())), make_worker,
+           "--threads");
   for (std::int32_t i = different; i < asked; ++i) {
     evaluation.episodes.push_back(evaluation.episodes[static_cast<std::size_t>(i - different)]);
   }

@@ -1,5 +1,8 @@
 #include "common/process/start_threads.h"
 
+#include <atomic>
+#include <exception>
+#include <mutex>
 #include <stdexcept>
 #include <system_error>
 
@@ -22,6 +25,28 @@ std::vector<std::thread> StartThreads(std::size_t count,
                              error.code().message() + "): choose fewer by " + option);
   }
   return threads;
+}
+
+void ShareOut(std::size_t count, std::size_t threads, const std::function<Worker()>& make_worker,
+              const std::string& option) {
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const auto work = [&](std::size_t /*thread*/) {
+    try {
+      const Worker worker = make_worker();
+      for (std::size_t i = next++; i < count; i = next++) worker(i);
+    } catch (...) {
+      next = count;
+      const std::lock_guard lock(failure_mutex);
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  for (std::thread& thread : StartThreads(
+           threads, work, [&] { next = count; }, option)) {
+    thread.join();
+  }
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace metronome

@@ -17,4 +17,13 @@ std::vector<std::thread> StartThreads(std::size_t count,
                                       const std::function<void(std::size_t)>& work,
                                       const std::function<void()>& stop, const std::string& option);
 
+/// What one thread does with the index that it is given.
+using Worker = std::function<void(std::size_t)>;
+
+/// Shares the indices 0 to count - 1 out over `threads` threads, each of which makes a worker of
+/// its own; which thread gets which index is open. Where one fails the others take no further
+/// index. @return when all are done. @throws what the first failure threw, and as StartThreads.
+void ShareOut(std::size_t count, std::size_t threads, const std::function<Worker()>& make_worker,
+              const std::string& option);
+
 }  // namespace metronome

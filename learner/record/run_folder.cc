@@ -3,12 +3,14 @@
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <exception>
 #include <filesystem>
 #include <limits>
 #include <system_error>
@@ -20,6 +22,8 @@
 namespace metronome {
 namespace {
 
+namespace fs = std::filesystem;
+
 [[noreturn]] void Fail(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
 }
@@ -27,34 +31,49 @@ namespace {
 // Who holds the lock, for the message alone: the lock itself never depends on it.
 std::string HolderText() { return "process " + std::to_string(getpid()) + " on " + HostName(); }
 
+/// Whether `path` names the open file.
+bool IsAt(int descriptor, const std::string& path) {
+  struct stat opened {};
+  struct stat named {};
+  return fstat(descriptor, &opened) == 0 && stat(path.c_str(), &named) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
 }  // namespace
 
-RunFolder::RunFolder(std::string path) : path_(std::move(path)) {
-  std::error_code error;
-  std::filesystem::create_directories(path_, error);
-  if (error) {
-    throw std::system_error(error,
-                            "cannot make " + path_ + " (--runs DIR: another folder of runs)");
-  }
-  Lock();
-}
+RunFolder::RunFolder(std::string path) : path_(std::move(path)) { Lock(); }
 
 RunFolder::~RunFolder() {
   RemoveIfUnused();
   close(lock_);
 }
 
+// Whoever had the folder before may remove it, and the lock's file, between any two steps here.
 void RunFolder::Lock() {
+  do {
+    std::error_code error;
+    fs::create_directories(path_, error);
+    if (error) {
+      throw std::system_error(error,
+                              "cannot make " + path_ + " (--runs DIR: another folder of runs)");
+    }
+  } while (!TryLock());
+  const std::string text = HolderText() + "\n";
+  if (ftruncate(lock_, 0) != 0 || pwrite(lock_, text.data(), text.size(), 0) < 0) {
+    spdlog::warn("{} does not say who holds the run: {}", File("lock"),
+                 std::generic_category().message(errno));
+  }
+}
+
+bool RunFolder::TryLock() {
   const std::string file = File("lock");
   lock_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (lock_ < 0 && errno == ENOENT && !fs::is_symlink(file)) return false;
   if (lock_ < 0) Fail("cannot lock " + file);
   if (flock(lock_, LOCK_EX | LOCK_NB) == 0) {
-    const std::string text = HolderText() + "\n";
-    if (ftruncate(lock_, 0) != 0 || pwrite(lock_, text.data(), text.size(), 0) < 0) {
-      spdlog::warn("{} does not say who holds the run: {}", file,
-                   std::generic_category().message(errno));
-    }
-    return;
+    if (IsAt(lock_, file)) return true;
+    close(lock_);
+    return false;
   }
   const int error = errno;
   std::array<char, 256> holder{};
@@ -71,12 +90,12 @@ void RunFolder::Lock() {
 std::uint64_t RunFolder::NextIncarnation(std::uint64_t seen) {
   const std::string file = File("incarnation");
   std::uint64_t last = 0;
-  if (std::filesystem::is_directory(file)) {
-    std::filesystem::rename(file, file + ".damaged");
+  if (fs::is_directory(file)) {
+    fs::rename(file, file + ".damaged");
     spdlog::warn("{} is a folder, now {}.damaged; going on from the checkpoint's {}", file, file,
                  seen);
   }
-  if (std::filesystem::exists(file)) {
+  if (fs::exists(file)) {
     const std::string text = ReadFile(file);
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), last);
     if (error != std::errc() || last == std::numeric_limits<std::uint64_t>::max()) {
@@ -90,19 +109,23 @@ std::uint64_t RunFolder::NextIncarnation(std::uint64_t seen) {
   return next;
 }
 
-void RunFolder::RemoveIfUnused() const {
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(path_, ignored)) {
-    const std::string name = entry.path().filename();
+// A folder that cannot be read stays.
+void RunFolder::RemoveIfUnused() const noexcept try {
+  std::error_code error;
+  for (fs::directory_iterator entry(path_, error), end; entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename();
     if (name != "lock" && name != "incarnation") return;
   }
-  std::filesystem::remove(File("incarnation"), ignored);
-  std::filesystem::remove(File("lock"), ignored);
-  std::filesystem::remove(path_, ignored);
+  if (error) return;
+  fs::remove(File("incarnation"), error);
+  fs::remove(File("lock"), error);
+  fs::remove(path_, error);
+} catch (const std::exception& error) {
+  spdlog::warn("{} stays: {}", path_, error.what());
 }
 
 std::string ConfigPathOf(const std::string& run_folder) {
-  return (std::filesystem::path(run_folder) / "config.textproto").string();
+  return (fs::path(run_folder) / "config.textproto").string();
 }
 
 }  // namespace metronome

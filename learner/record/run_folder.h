@@ -36,7 +36,9 @@ class RunFolder {
 
  private:
   void Lock();
-  void RemoveIfUnused() const;
+  /// @return whether the file that is locked is still the one of that name.
+  bool TryLock();
+  void RemoveIfUnused() const noexcept;
 
   std::string path_;
   int lock_ = -1;

@@ -69,6 +69,42 @@ TEST(StartThreadsTest, IfOneCannotBeStartedThoseThatRunAreStoppedAndItIsAnError)
       "choose fewer by --threads");
 }
 
+TEST(ShareOutTest, EachIndexIsGivenOnceWhateverTheThreads) {
+  for (const std::size_t threads : {1U, 3U, 8U}) {
+    std::vector<std::atomic<int>> times(5);
+    std::atomic<std::size_t> workers{0};
+    const auto make_worker = [&]() -> Worker {
+      ++workers;
+      return [&](std::size_t i) { ++times.at(i); };
+    };
+    ShareOut(times.size(), threads, make_worker, "--threads");
+    EXPECT_EQ(workers, threads);
+    for (const auto& one : times) EXPECT_EQ(one, 1);
+  }
+}
+
+TEST(ShareOutTest, AFailureStopsTheOthersAndIsTold) {
+  constexpr std::size_t kMany = 10'000'000;
+  std::atomic<bool> failed{false};
+  std::atomic<std::size_t> done{0};
+  const auto worker = [&](std::size_t i) {
+    if (i == 0) {
+      failed = true;
+      failed.notify_all();
+      throw std::runtime_error("the first index");
+    }
+    failed.wait(false);
+    ++done;
+  };
+  ExpectNamedError(
+      [&] {
+        ShareOut(
+            kMany, 2, [&] { return Worker(worker); }, "--threads");
+      },
+      "the first index");
+  EXPECT_LT(done, kMany - 1);
+}
+
 class IdlePlayer final : public EpisodePlayer {
  public:
   std::optional<Episode> Play(const PolicySnapshot&, std::uint64_t,

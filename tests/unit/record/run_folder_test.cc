@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "common/process/files.h"
 #include "learner/collect/trust/excluded_hosts.h"
@@ -56,6 +60,30 @@ TEST_F(RunFolderTest, ASecondLearnerIsRefusedNamingTheFirstUntilThatEnds) {
   }
   first.reset();
   EXPECT_NO_THROW(RunFolder{Path()});
+}
+
+// A start that is refused removes what it made, while the next one begins.
+TEST_F(RunFolderTest, AmongManyStartsAtOnceOneAtATimeHasTheFolder) {
+  constexpr int kStarts = 3000;
+  std::atomic<int> holders{0};
+  std::atomic<int> held{0};
+  const auto start_often = [&] {
+    for (int i = 0; i < kStarts; ++i) {
+      try {
+        const RunFolder folder(Path());
+        EXPECT_EQ(++holders, 1);
+        ++held;
+        --holders;
+      } catch (const RunFolderBusy&) {
+      } catch (const std::exception& error) {
+        ADD_FAILURE() << error.what();
+      }
+    }
+  };
+  std::vector<std::thread> learners;
+  for (int i = 0; i < 4; ++i) learners.emplace_back(start_often);
+  for (std::thread& learner : learners) learner.join();
+  EXPECT_GE(held, kStarts / 10);
 }
 
 TEST_F(RunFolderTest, AFolderThatWasNeverUsedVanishesWithItsHolder) {
