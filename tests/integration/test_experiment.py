@@ -206,7 +206,7 @@ def test_jobs_without_a_domain_each_are_refused(stage, options, complaint):
     "old, new, complaint",
     [
         ("seeds =", "seed =", "did you mean 'seeds'"),
-        ('tasks = ["push"]', 'tasks = ["pus"]', "did you mean 'push'"),
+        ('tasks = ["push"]', 'tasks = ["pus"]', 'did you mean "push"'),
         ('method = "ppo"', 'method = "pop"', 'did you mean "ppo"'),
         ("heads = 5", "heads = 51", "heads"),
         ('"ppo.minibatch" = 50', '"ppo.minibach" = 50', "minibatch"),

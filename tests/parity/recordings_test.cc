@@ -33,7 +33,7 @@ double Distance(const metaworld::Observation& a, const metaworld::Observation& b
 }
 
 double Distance(const metaworld::Observation& a, const metaworld::Observation& b) {
-  return Distance(a, b, 0, kObservationSize);
+  return Distance(a, b, 0, metaworld::kObservationSize);
 }
 
 void ExpectSameInfo(const metaworld::StepInfo& got, const metaworld::StepInfo& want,

@@ -39,7 +39,7 @@ std::string PlainText() {
   std::string text =
       R"(# {"task": "push-v3", "steps": 1, "rand_vec": [0, 0.65, 0.02, 0, 0.85, 0.015],)"
       R"( "init_obs": [0)";
-  for (int i = 1; i < kObservationSize; ++i) text += ", 0";
+  for (int i = 1; i < metaworld::kObservationSize; ++i) text += ", 0";
   text += R"(], "goal": [0, 0.85, 0.0194], "internals_after_reset": {"init_tcp": [0, 0.6, 0.15],)"
           R"( "obj_init_pos": [0, 0.65, 0.0194], "_target_to_obj_init": null, "objHeight": 0.02},)"
           R"( "model_body_pos_changed": {}, "model_site_pos_changed": {"goal": [0, 0.85, 0.0194]}})"
@@ -110,7 +110,7 @@ TEST_F(TraceTest, PrintsAHeaderTheResetAndARowPerStepThatReadBackExactly) {
     const auto fields = Fields(lines[t + 1]);
     ASSERT_EQ(fields.size(), 47U);
     EXPECT_EQ(fields[0], std::to_string(t));
-    for (int i = 0; i < kObservationSize; ++i)
+    for (int i = 0; i < metaworld::kObservationSize; ++i)
       ASSERT_EQ(ParseNumber<double>(fields[i + 1]), want.steps[t - 1].observation[i]);
     ASSERT_EQ(ParseNumber<double>(fields[40]), want.steps[t - 1].reward);
   }
