@@ -42,14 +42,14 @@ std::vector<Assignment> OrderPlan::HandOut(TimePoint now) {
 // does not block its slot for ever. But its actor may merely be slow, so it rests before it is
 // asked again: else a machine that is suddenly slower would be buried under repeated orders.
 void OrderPlan::GiveUpLost(TimePoint now) {
+  const auto first_try = patience_.Lost(1);
   const auto is_lost = [&](const Roster::Order& order) {
-    return now - order.since >= LostAfter(order);
+    const auto age = now - order.since;
+    return age >= first_try && age >= LostAfter(order);
   };
-  for (const auto& actor : roster_.actors()) {
-    const std::vector<std::uint64_t> numbers = roster_.GiveUp(actor.first, is_lost);
-    if (numbers.empty()) continue;
-    for (const std::uint64_t number : numbers) book_.TakeBack(number, actor.first);
-    trust_.GaveUp(actor.first, now);
+  for (const auto& [actor_id, numbers] : roster_.GiveUp(is_lost)) {
+    for (const std::uint64_t number : numbers) book_.TakeBack(number, actor_id);
+    trust_.GaveUp(actor_id, now);
   }
 }
 
@@ -78,20 +78,22 @@ void OrderPlan::AskOthers(TimePoint now, std::vector<Assignment>& plan) {
         });
     const auto actor_id = LeastLoaded(
         entry, OrdersPerSlot(),
-        [&](const Candidate& actor) { return !elsewhere || is_elsewhere(actor); }, now);
+        [&](const Candidate& actor, const Trust::State&) {
+          return !elsewhere || is_elsewhere(actor);
+        },
+        now);
     if (actor_id) Ask(*actor_id, number, now, plan);
   }
 }
 
 // Who gave up an order, or comes and goes, is asked only when nobody else is there.
 void OrderPlan::AskForOpen(TimePoint now, std::vector<Assignment>& plan) {
-  const auto is_reliable = [&](const Candidate& actor) {
-    return trust_.StateOf(actor.first, now).reliable();
-  };
   const auto& actors = roster_.actors();
-  const bool any_reliable = std::any_of(actors.begin(), actors.end(), is_reliable);
-  const auto may_be_asked = [&](const Candidate& actor) {
-    return !any_reliable || is_reliable(actor);
+  const bool any_reliable = std::any_of(actors.begin(), actors.end(), [&](const Candidate& actor) {
+    return trust_.StateOf(actor.first, now).reliable();
+  });
+  const auto may_be_asked = [&](const Candidate&, const Trust::State& trust) {
+    return !any_reliable || trust.reliable();
   };
   while (!book_.open().empty()) {
     const std::uint64_t number = *book_.open().begin();
@@ -106,7 +108,7 @@ void OrderPlan::AskForOpen(TimePoint now, std::vector<Assignment>& plan) {
 void OrderPlan::AskForLate(TimePoint now, std::vector<Assignment>& plan) {
   if (!book_.open().empty()) return;
   // Anybody's: the slot is idle, and a result that comes twice does no harm.
-  const auto anybody = [](const Candidate&) { return true; };
+  const auto anybody = [](const Candidate&, const Trust::State&) { return true; };
   for (const std::uint64_t number : LateEverywhere(now)) {
     const auto actor_id = LeastLoaded(*book_.Find(number), 1, anybody, now);
     if (actor_id) Ask(*actor_id, number, now, plan);
@@ -136,13 +138,13 @@ std::optional<std::uint64_t> OrderPlan::LeastLoaded(const Number& number,
                                                     std::uint32_t orders_per_slot,
                                                     const MayBeAsked& may_be_asked,
                                                     TimePoint now) const {
-  return roster_.LeastLoaded([&](const Candidate& actor) -> std::size_t {
+  return roster_.LeastLoaded(orders_per_slot, [&](const Candidate& actor) -> std::size_t {
     const auto& holders = number.holders;
     const bool plays_it = std::find(holders.begin(), holders.end(), actor.first) != holders.end();
     if (plays_it || !number.MayBePlayedBy(actor.first, actor.second.host)) return 0;
-    if (!may_be_asked(actor)) return 0;
-    if (trust_.StateOf(actor.first, now).silent) return 1;
-    return std::size_t{actor.second.slots} * orders_per_slot;
+    const Trust::State trust = trust_.StateOf(actor.first, now);
+    if (!may_be_asked(actor, trust)) return 0;
+    return trust.silent ? 1 : std::size_t{actor.second.slots} * orders_per_slot;
   });
 }
 

@@ -59,7 +59,7 @@ class OrderPlan {
  private:
   using Number = NumberBook::Number;
   using Candidate = Roster::Actors::value_type;
-  using MayBeAsked = std::function<bool(const Candidate&)>;
+  using MayBeAsked = std::function<bool(const Candidate&, const Trust::State&)>;
 
   void CountIdle(TimePoint now);
   void GiveUpLost(TimePoint now);

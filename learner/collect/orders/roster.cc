@@ -1,6 +1,7 @@
 #include "learner/collect/orders/roster.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 
 namespace metronome {
@@ -18,9 +19,12 @@ Orders::iterator Find(Orders* orders, std::uint64_t number) {
 }  // namespace
 
 void Roster::Join(std::uint64_t actor_id, const std::string& host, std::uint32_t slots) {
-  Actor& actor = actors_[actor_id];
+  const auto [at, is_new] = actors_.try_emplace(actor_id);
+  Actor& actor = at->second;
+  if (!is_new) slots_ -= actor.slots;
   actor.host = host;
   actor.slots = std::max<std::uint32_t>(slots, 1);
+  slots_ += actor.slots;
 }
 
 std::vector<std::uint64_t> Roster::Leave(std::uint64_t actor_id) {
@@ -28,6 +32,7 @@ std::vector<std::uint64_t> Roster::Leave(std::uint64_t actor_id) {
   const auto actor = actors_.find(actor_id);
   if (actor == actors_.end()) return numbers;
   for (const Order& order : actor->second.orders) numbers.push_back(order.number);
+  slots_ -= actor->second.slots;
   actors_.erase(actor);
   return numbers;
 }
@@ -59,24 +64,22 @@ std::optional<std::chrono::nanoseconds> Roster::Release(std::uint64_t actor_id,
   return took;
 }
 
-std::vector<std::uint64_t> Roster::GiveUp(std::uint64_t actor_id,
-                                          const std::function<bool(const Order&)>& is_lost) {
-  Actor& actor = actors_.at(actor_id);
-  Orders lost;
-  std::copy_if(actor.orders.begin(), actor.orders.end(), std::back_inserter(lost), is_lost);
-  std::erase_if(actor.orders, is_lost);
-  Orders& kept = actor.given_up;
-  kept.insert(kept.end(), lost.begin(), lost.end());
-  if (std::ssize(kept) > kGivenUpKept) kept.erase(kept.begin(), kept.end() - kGivenUpKept);
-  std::vector<std::uint64_t> numbers;
-  for (const Order& order : lost) numbers.push_back(order.number);
+std::map<std::uint64_t, std::vector<std::uint64_t>> Roster::GiveUp(
+    const std::function<bool(const Order&)>& is_lost) {
+  std::map<std::uint64_t, std::vector<std::uint64_t>> numbers;
+  const auto is_it = std::cref(is_lost);  // algorithms copy
+  for (auto& [id, actor] : actors_) {
+    if (std::none_of(actor.orders.begin(), actor.orders.end(), is_it)) continue;
+    Orders& kept = actor.given_up;
+    for (const Order& order : actor.orders) {
+      if (!is_lost(order)) continue;
+      numbers[id].push_back(order.number);
+      kept.push_back(order);
+    }
+    std::erase_if(actor.orders, is_it);
+    if (std::ssize(kept) > kGivenUpKept) kept.erase(kept.begin(), kept.end() - kGivenUpKept);
+  }
   return numbers;
-}
-
-std::uint64_t Roster::slots() const {
-  std::uint64_t slots = 0;
-  for (const auto& actor : actors_) slots += actor.second.slots;
-  return slots;
 }
 
 std::uint64_t Roster::idle() const {
@@ -88,15 +91,18 @@ std::uint64_t Roster::idle() const {
 }
 
 std::optional<std::uint64_t> Roster::LeastLoaded(
+    std::uint32_t orders_per_slot,
     const std::function<std::size_t(const Actors::value_type&)>& room) const {
   const Actors::value_type* best = nullptr;
   for (const auto& candidate : actors_) {
     const Actor& actor = candidate.second;
-    if (actor.orders.size() >= room(candidate)) continue;
-    if (best == nullptr ||
-        actor.orders.size() * best->second.slots < best->second.orders.size() * actor.slots) {
-      best = &candidate;
+    const std::size_t orders = actor.orders.size();
+    if (orders >= std::size_t{actor.slots} * orders_per_slot) continue;
+    if (best != nullptr &&
+        orders * best->second.slots >= best->second.orders.size() * actor.slots) {
+      continue;
     }
+    if (orders < room(candidate)) best = &candidate;  // asked last: it may be costly
   }
   return best == nullptr ? std::nullopt : std::optional(best->first);
 }

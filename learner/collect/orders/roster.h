@@ -41,21 +41,23 @@ class Roster {
   /// @return how long it took; std::nullopt if it was not ordered from this actor, or long ago.
   std::optional<std::chrono::nanoseconds> Release(std::uint64_t actor_id, std::uint64_t number,
                                                   TimePoint now);
-  /// Takes away the orders that `is_lost`. @return their numbers.
-  std::vector<std::uint64_t> GiveUp(std::uint64_t actor_id,
-                                    const std::function<bool(const Order&)>& is_lost);
+  /// Takes away the orders that `is_lost`. @return their numbers, by actor.
+  std::map<std::uint64_t, std::vector<std::uint64_t>> GiveUp(
+      const std::function<bool(const Order&)>& is_lost);
 
   [[nodiscard]] const Actors& actors() const { return actors_; }
-  [[nodiscard]] std::uint64_t slots() const;
+  [[nodiscard]] std::uint64_t slots() const { return slots_; }
   /// Slots without an order.
   [[nodiscard]] std::uint64_t idle() const;
-  /// The actor with the least orders a slot, of those that have less than `room` says they may;
-  /// std::nullopt if there is none. The lower id of two.
+  /// The actor with the least orders a slot, of those that have less than `orders_per_slot` and
+  /// less than `room` says that this one may; std::nullopt if there is none. The lower id of two.
   [[nodiscard]] std::optional<std::uint64_t> LeastLoaded(
+      std::uint32_t orders_per_slot,
       const std::function<std::size_t(const Actors::value_type&)>& room) const;
 
  private:
   Actors actors_;
+  std::uint64_t slots_ = 0;  // of them all
 };
 
 }  // namespace metronome

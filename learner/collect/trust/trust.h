@@ -2,9 +2,9 @@
 
 #include <chrono>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
+#include <unordered_map>
 
 #include "learner/collect/trust/excluded_hosts.h"
 #include "learner/collect/trust/flap_watch.h"
@@ -94,7 +94,7 @@ class Trust {
 
   TrustRules rules_;
   FlapWatch flaps_;
-  std::map<std::uint64_t, Actor> actors_;  // that are there
+  std::unordered_map<std::uint64_t, Actor> actors_;  // that are there; asked for each order
   Newest<std::uint64_t, std::string> refused_;
   ExcludedHosts excluded_;
 };

@@ -25,7 +25,8 @@ TEST(RosterTest, WhatWasGivenUpStillTellsHowLongItTook) {
   roster.Give(1, 10, At(0));
   roster.Give(1, 11, At(50));
   const auto is_old = [](const Roster::Order& order) { return order.since < At(10); };
-  EXPECT_EQ(roster.GiveUp(1, is_old), std::vector<std::uint64_t>{10});
+  const std::map<std::uint64_t, std::vector<std::uint64_t>> lost{{1, {10}}};
+  EXPECT_EQ(roster.GiveUp(is_old), lost);
   EXPECT_EQ(roster.idle(), 1U);
   EXPECT_EQ(roster.Release(1, 10, At(5000)), milliseconds(5000));
 }
@@ -37,9 +38,10 @@ TEST(RosterTest, TheLeastLoadedIsByOrdersASlot) {
   roster.Give(1, 10, At(0));
   for (std::uint64_t number = 11; number < 14; ++number) roster.Give(2, number, At(0));
   const auto any = [](const auto&) { return std::size_t{8}; };
-  EXPECT_EQ(roster.LeastLoaded(any), 2U);
-  EXPECT_EQ(roster.LeastLoaded([](const auto&) { return std::size_t{2}; }), 1U);
-  EXPECT_EQ(roster.LeastLoaded([](const auto&) { return std::size_t{0}; }), std::nullopt);
+  EXPECT_EQ(roster.LeastLoaded(2, any), 2U);
+  EXPECT_EQ(roster.LeastLoaded(2, [](const auto&) { return std::size_t{2}; }), 1U);
+  EXPECT_EQ(roster.LeastLoaded(2, [](const auto&) { return std::size_t{0}; }), std::nullopt);
+  EXPECT_EQ(roster.LeastLoaded(1, [](const auto&) { return std::size_t{2}; }), std::nullopt);
   EXPECT_EQ(roster.slots(), 5U);
   EXPECT_EQ(roster.Leave(2).size(), 3U);
 }
