@@ -13,13 +13,14 @@
 #include "common/dds/convert.h"
 #include "common/dds/participant.h"
 #include "common/dds/peer_watch.h"
+#include "common/messages/bus.h"
 
 /// Typed ends of one topic, in terms of messages. Thread-safe.
 namespace metronome::dds {
 
 using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
 
-enum class WriteResult { kWritten, kFull };
+enum class [[nodiscard]] WriteResult{kWritten, kFull};
 
 template <class PubSubType>
 class Writer {
@@ -58,6 +59,20 @@ class Writer {
                              std::to_string(code()));
   }
 
+  /// Packs and writes, again and again while it is refused: Fast DDS also gives up early where it
+  /// is busy itself, with a history that has room.
+  /// @return kFull: it still is at `deadline`.
+  template <class Message>
+  WriteResult WriteUntil(Clock::time_point deadline, Message message) {
+    Envelope<Wire> envelope = Pack(std::move(message));
+    WriteResult result = Write(envelope);
+    while (result == WriteResult::kFull && Clock::now() < deadline) {
+      WaitForAcknowledgements(kRetry);  // rather than spin
+      result = Write(envelope);
+    }
+    return result;
+  }
+
   /// @return whether all readers have all samples before `timeout` is over.
   bool WaitForAcknowledgements(std::chrono::milliseconds timeout) {
     const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(timeout).count();
@@ -68,6 +83,8 @@ class Writer {
   }
 
  private:
+  static constexpr std::chrono::milliseconds kRetry{50};
+
   const TopicProfile profile_;
   std::mutex mutex_;
   fdds::DataWriter* const writer_;

@@ -1,5 +1,10 @@
+#include <spdlog/spdlog.h>
+
+#include <chrono>
 #include <map>
 #include <mutex>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "common/dds/dds_bus.h"
@@ -26,9 +31,16 @@ class DdsLearnerBus final : public LearnerBus {
     if (left.count() > 0) learner_statuses_.WaitForAcknowledgements(left);
   }
 
-  void Publish(const RunDescription& description) override { descriptions_.Write(description); }
-  void Publish(const PolicySnapshot& snapshot) override { snapshots_.Write(snapshot); }
-  void Publish(const LearnerStatus& status) override { learner_statuses_.Write(status); }
+  void Publish(const RunDescription& description) override {
+    WriteSurely(descriptions_, description, "run description");
+  }
+  void Publish(const PolicySnapshot& snapshot) override {
+    WriteSurely(snapshots_, snapshot, "policy snapshot");
+  }
+  void Publish(const LearnerStatus& status) override {
+    if (learner_statuses_.Write(status) == dds::WriteResult::kWritten) return;
+    spdlog::warn("a status was not sent: Fast DDS does not take it");
+  }
 
   bool Send(const EpisodeOrder& order) override {
     const auto process = status_watch_.ProcessOf(order.actor_id);
@@ -45,6 +57,17 @@ class DdsLearnerBus final : public LearnerBus {
   std::uint64_t bytes_received() const override { return participant_.traffic().received; }
 
  private:
+  // Nothing is sent a second time by itself: without a snapshot actors would wait for ever.
+  template <class Writer, class Message>
+  static void WriteSurely(Writer& writer, const Message& message, const std::string& what) {
+    const auto written = writer.WriteUntil(Clock::now() + kPatience, message);
+    if (written == dds::WriteResult::kWritten) return;
+    throw std::runtime_error("the " + what + " was not sent: Fast DDS has not taken it for " +
+                             std::to_string(kPatience.count()) + " s");
+  }
+
+  static constexpr std::chrono::seconds kPatience{10};
+
   std::optional<LearnerEvent> Next() {
     const std::lock_guard lock(next_mutex_);
     if (inbox_.TakeWoken()) return Woken{};

@@ -43,7 +43,8 @@ class LearnerBus {
   virtual ~LearnerBus() = default;
   /// Replaces the description that present and future actors of the run see.
   virtual void Publish(const RunDescription& description) = 0;
-  /// Late joiners get the last two versions. Blocks at most a second on full histories.
+  /// Late joiners get the last two versions. Blocks while the middleware is busy, as a description
+  /// does; throws after ten seconds of it.
   virtual void Publish(const PolicySnapshot& snapshot) = 0;
   /// For whoever watches; the last one is kept for late joiners.
   virtual void Publish(const LearnerStatus& status) = 0;

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/dds/dds_bus.h"
@@ -188,6 +189,35 @@ TEST(DdsQosTest, ContentFilterLetsOnlyTheActorsOwnOrdersThrough) {
   }
   EXPECT_TRUE(writer.WaitForAcknowledgements(seconds(20)));
   EXPECT_FALSE(reader.Take());
+}
+
+TEST(DdsQosTest, ARefusedSampleIsWrittenOnceThereIsRoom) {
+  const dds::TopicProfile small{"metronome/small", false, true, 1, 1, 256};
+  const BusOptions options = FreshRun();
+  dds::Inbox inbox;
+  dds::WriterWatch watch(&inbox);
+  AnyReader readers(&inbox);
+  dds::Participant sender(options, "sender");
+  dds::Participant receiver(options, "receiver");
+  dds::Writer<wire::EpisodeOrderPubSubType> writer(&sender, small, &readers);
+  dds::Reader<wire::EpisodeOrderPubSubType> reader(&receiver, small, &watch);
+  ASSERT_TRUE(inbox.Wait(Soon(), [&] { return readers.there(); }));
+  std::uint64_t count = 0;  // of samples that nobody takes, until both histories are full
+  const auto fits = [&] {
+    return writer.WriteUntil(Clock::now() + std::chrono::milliseconds(500), SomeOrder(count, 0)) ==
+           dds::WriteResult::kWritten;
+  };
+  while (fits()) ASSERT_LT(++count, 10U);
+
+  std::thread writing([&] {
+    EXPECT_EQ(writer.WriteUntil(Soon(), SomeOrder(count, 0)), dds::WriteResult::kWritten);
+  });
+  for (std::uint64_t expected = 0; expected <= count; ++expected) {
+    const auto taken = inbox.Wait(Soon(), [&] { return reader.Take(); });
+    ASSERT_TRUE(taken);
+    EXPECT_EQ(std::get<EpisodeOrder>(taken->content).actor_id, expected);
+  }
+  writing.join();
 }
 
 }  // namespace
