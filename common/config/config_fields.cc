@@ -158,6 +158,16 @@ const FieldDescriptor& FindStep(const Message& owner, const std::string& path, s
   return *field;
 }
 
+// A value for an alternative beside the one that is chosen would choose it without a word.
+void RequireNoOther(const Message& owner, const std::string& path, const FieldDescriptor& field) {
+  const auto* alternatives = field.containing_oneof();
+  if (alternatives == nullptr) return;
+  const auto* chosen = owner.GetReflection()->GetOneofFieldDescriptor(owner, alternatives);
+  if (chosen == nullptr || chosen == &field) return;
+  throw ConfigError(path + ": " + chosen->name() + " is set already, and the " +
+                    alternatives->name() + " is one of the two");
+}
+
 /// Clears in `base` each list that `top` sets; merging would append to it.
 void ClearLists(Message& base, const Message& top) {
   std::vector<const FieldDescriptor*> fields;
@@ -212,6 +222,7 @@ void SetField(Message& message, const std::string& path, const std::string& text
   for (;;) {
     const std::size_t end = std::min(path.find('.', begin), path.size());
     const FieldDescriptor& field = FindStep(*owner, path, begin, end);
+    RequireNoOther(*owner, path, field);
     if (end == path.size()) return SetLeaf(*owner, path, text, field);
     owner = owner->GetReflection()->MutableMessage(owner, &field);
     begin = end + 1;

@@ -44,7 +44,7 @@ std::string FieldText(const google::protobuf::Message& owner,
 /// file takes; a repeated leaf takes a comma-separated list, which replaces what was there. If it
 /// throws, the leaf may be unset. Types and ranges of types are checked, ranges of meaning are Validate's.
 /// @throws ConfigError for an unknown path (near miss and list of that message's fields), a path
-///         that is no leaf, or a text of another type.
+///         that is no leaf, a text of another type, or an alternative beside the one that is set.
 void SetField(google::protobuf::Message& message, const std::string& path, const std::string& text);
 
 /// Sets in `base` every leaf that is set in `top`; repeated leaves are replaced, not appended to.

@@ -230,8 +230,9 @@ TEST(AlgorithmTest, IsPpoWhereNothingIsSaidAndItsSettingsAreAsEver) {
 
 TEST(AlgorithmTest, AnotherOneIsNamedWithSettingsThatOnlyItReads) {
   RunConfig config = Push();
-  SetField(config, "ppo.clip", "0.1");
   SetField(config, "custom.name", "other");
+  EXPECT_EQ(ErrorOf([&] { SetField(config, "ppo.clip", "0.1"); }),
+            "ppo.clip: custom is set already, and the algorithm is one of the two");
   SetField(config, "custom.settings", "population: 5");
   config = Resolve(config);
   EXPECT_FALSE(config.has_ppo());
