@@ -62,7 +62,7 @@ class EpisodePicturesTest : public ::testing::Test {
   }
   EpisodePictures Pictures(bool show_path = true) {
     return {environment_->model(),
-            FindCamera(environment_->model(), CameraView{}, "90,-20,1.2"),
+            FindCamera(environment_->model(), metaworld::FindTask("push").view, "90,-20,1.2"),
             path_,
             {"push", kSize, show_path, 0.0}};
   }
@@ -107,19 +107,25 @@ TEST_F(EpisodePicturesTest, DrawingTwiceGivesTheSameAndLeavesTheEnvironmentAlone
 
 TEST(FindCameraTest, ListsTheCamerasWhereThereIsNone) {
   const auto environment = metaworld::MakeSawyerEnvironment("push", {});
-  EXPECT_EQ(FindCamera(environment->model(), CameraView{}, "corner2").type, mjCAMERA_FIXED);
-  EXPECT_EQ(FindCamera(environment->model(), CameraView{}, "free").type, mjCAMERA_FREE);
-  EXPECT_EQ(FindCamera(environment->model(), CameraView{}, "90,-20,2,0,1,0.5").lookat[1], 1);
+  EXPECT_EQ(FindCamera(environment->model(), metaworld::FindTask("push").view, "corner2").type,
+            mjCAMERA_FIXED);
+  EXPECT_EQ(FindCamera(environment->model(), metaworld::FindTask("push").view, "free").type,
+            mjCAMERA_FREE);
+  EXPECT_EQ(FindCamera(environment->model(), metaworld::FindTask("push").view, "90,-20,2,0,1,0.5")
+                .lookat[1],
+            1);
   try {
-    FindCamera(environment->model(), CameraView{}, "cornr2");
+    FindCamera(environment->model(), metaworld::FindTask("push").view, "cornr2");
     FAIL();
   } catch (const std::invalid_argument& error) {
     const std::string what = error.what();
     EXPECT_NE(what.find("did you mean \"corner2\""), std::string::npos) << what;
     EXPECT_NE(what.find("free, topview"), std::string::npos) << what;
   }
-  EXPECT_THROW(FindCamera(environment->model(), CameraView{}, "90,-20"), std::invalid_argument);
-  EXPECT_THROW(FindCamera(environment->model(), CameraView{}, "90,-20,0"), std::invalid_argument);
+  EXPECT_THROW(FindCamera(environment->model(), metaworld::FindTask("push").view, "90,-20"),
+               std::invalid_argument);
+  EXPECT_THROW(FindCamera(environment->model(), metaworld::FindTask("push").view, "90,-20,0"),
+               std::invalid_argument);
 }
 
 }  // namespace
