@@ -4,14 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <exception>
 #include <memory>
 #include <mutex>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "common/checkpoint/checkpoint.h"
 #include "common/config/config.h"
 #include "common/config/config_fields.h"
 #include "common/dds/dds_bus.h"
@@ -20,13 +17,13 @@
 #include "common/process/build_info.h"
 #include "common/process/cpu_count.h"
 #include "common/process/cpu_times.h"
-#include "common/process/exit_codes.h"
 #include "common/process/ignored_signals.h"
 #include "common/process/logging.h"
 #include "common/process/output_thread.h"
 #include "common/process/process_identity.h"
 #include "common/process/signal_watch.h"
 #include "learner/collect/trust/excluded_hosts.h"
+#include "learner/exit_code.h"
 #include "learner/record/file_run_record.h"
 #include "learner/record/run_folder.h"
 #include "learner/run/background.h"
@@ -187,17 +184,6 @@ std::unique_ptr<MetricsServer> MetricsServerOf(const RunConfig& config) {
   return std::make_unique<MetricsServer>(ParseListenAddress(address));
 }
 
-/// Whatever is thrown once the run is served, it is not for what was asked: kExitUsage would tell
-/// services not to start again.
-int RunToItsEnd(Coordinator& coordinator) {
-  try {
-    return coordinator.Run();
-  } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
-    return kExitFailure;
-  }
-}
-
 int Serve(const RunOptions& options, const Algorithms& algorithms, StopTarget& target) {
   const AlgorithmFactory& factory = FactoryOf(algorithms, options.config);
   const BusOptions bus_options = BusOptionsOf(options);
@@ -224,7 +210,7 @@ int Serve(const RunOptions& options, const Algorithms& algorithms, StopTarget& t
   target.Set(&coordinator);
   const auto clear = [&target](Coordinator*) { target.Set(nullptr); };
   const std::unique_ptr<Coordinator, decltype(clear)> set(&coordinator, clear);
-  const int status = RunToItsEnd(coordinator);
+  const int status = CodeOfServing([&coordinator] { return coordinator.Run(); });
   spdlog::info("{}", CpuTimes::OfProcess().Report());
   return status;
 }
@@ -238,27 +224,7 @@ int ServeRun(const RunOptions& options, const Algorithms& algorithms) {
   StopTarget target;
   // Before the bus and the trainer, whose threads must inherit the blocked signals.
   const SignalWatch signals([&target](int signal) { target.Signal(signal); });
-  try {
-    return Serve(options, algorithms, target);
-  } catch (const RunFolderBusy& error) {
-    spdlog::error("{}", error.what());
-    return kExitRival;
-  } catch (const CheckpointUnreadable& error) {  // another start may find it readable
-    spdlog::error("{}", error.what());
-    return kExitFailure;
-  } catch (const CheckpointError& error) {
-    spdlog::error("{}", error.what());
-    return kExitUsage;
-  } catch (const CannotStart& error) {
-    spdlog::error("{}", error.what());
-    return kExitUsage;
-  } catch (const std::invalid_argument& error) {
-    spdlog::error("{}", error.what());
-    return kExitUsage;
-  } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
-    return kExitFailure;
-  }
+  return CodeOfStart([&] { return Serve(options, algorithms, target); });
 }
 
 }  // namespace metronome
