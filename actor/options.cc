@@ -6,7 +6,7 @@
 #include <string>
 
 #include "common/config/config.h"
-#include "common/dds/security.h"
+#include "common/dds/security/security.h"
 #include "common/process/build_info.h"
 #include "common/process/logging.h"
 #include "common/text/cli_number.h"

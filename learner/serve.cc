@@ -13,7 +13,7 @@
 #include "common/config/config_fields.h"
 #include "common/dds/dds_bus.h"
 #include "common/dds/machine.h"
-#include "common/dds/security.h"
+#include "common/dds/security/security.h"
 #include "common/process/build_info.h"
 #include "common/process/cpu_count.h"
 #include "common/process/cpu_times.h"

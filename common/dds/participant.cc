@@ -16,7 +16,7 @@
 #include "common/dds/actor_filter.h"
 #include "common/dds/machine.h"
 #include "common/dds/participant_qos.h"
-#include "common/dds/security.h"
+#include "common/dds/security/security.h"
 #include "common/dds/tcp.h"
 #include "common/dds/workarounds/lease_race_guard.h"
 #include "common/dds/workarounds/surroundings.h"

@@ -6,7 +6,7 @@
 
 #include <memory>
 
-#include "common/dds/security.h"
+#include "common/dds/security/security.h"
 #include "common/dds/shared_memory.h"
 #include "common/dds/tcp.h"
 #include "common/dds/workarounds/shared_memory_files.h"

@@ -1,4 +1,4 @@
-#include "common/dds/security.h"
+#include "common/dds/security/security.h"
 
 #include <openssl/err.h>
 #include <openssl/pem.h>
