@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "learner/ppo/episode_check.h"
+#include "learner/algorithm/episode_check.h"
 #include "learner/ppo/trainer.h"
 #include "learner/ppo/training_batch.h"
 #include "tests/unit/support/environments.h"
@@ -168,7 +168,7 @@ TEST_F(HandMadeBatchTest, EachSampleIsItsStep) {
   EXPECT_EQ(input, (std::vector<float>{0, 0, 1, 0, 1, 1, 1, 2, 2, 0, 2, 1}));
 }
 
-std::vector<Episode> ShortBatch(const RunConfig& config, const TrainState& state) {
+std::vector<Episode> ShortBatch(const RunConfig& config, const PpoState& state) {
   std::vector<Episode> episodes =
       testing::SyntheticBatch(config, SnapshotOf(state, config), state.version);
   for (std::size_t i = 0; i < episodes.size(); ++i) {
