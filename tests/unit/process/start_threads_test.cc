@@ -84,7 +84,7 @@ TEST(ShareOutTest, EachIndexIsGivenOnceWhateverTheThreads) {
 }
 
 TEST(ShareOutTest, AFailureStopsTheOthersAndIsTold) {
-  constexpr std::size_t kMany = 10'000'000;
+  constexpr std::size_t kMany = 100'000'000;
   std::atomic<bool> failed{false};
   std::atomic<std::size_t> done{0};
   const auto worker = [&](std::size_t i) {
@@ -94,6 +94,7 @@ TEST(ShareOutTest, AFailureStopsTheOthersAndIsTold) {
       throw std::runtime_error("the first index");
     }
     failed.wait(false);
+    std::this_thread::yield();  // the failure has its turn
     ++done;
   };
   ExpectNamedError(
