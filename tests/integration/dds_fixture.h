@@ -12,15 +12,13 @@
 
 #include "common/dds/dds_bus.h"
 #include "common/messages/bus.h"
+#include "tests/unit/support/sizes.h"
 
 /// What the tests of the DDS bus share: runs that no other test process sees, and waiting for one
 /// kind of event.
 namespace metronome::test {
 
 using std::chrono::seconds;
-
-inline constexpr std::size_t kObservationSize = 39;  // of the samples made here
-inline constexpr std::size_t kActionSize = 4;
 
 /// Long enough for a loaded machine under sanitizers; reached only by a failing test.
 inline Clock::time_point Soon() { return Clock::now() + seconds(20); }

@@ -7,12 +7,10 @@
 
 #include "common/config/environment_spec.h"
 #include "common/schema/config.pb.h"
+#include "tests/unit/support/sizes.h"
 
 /// Environments by their specifications alone, for tests in which nobody plays.
 namespace metronome::test {
-
-inline constexpr int kObservationSize = 39;
-inline constexpr int kActionSize = 4;
 
 inline EnvironmentSpec SpecOf(const std::string& name) {
   EnvironmentSpec spec;
