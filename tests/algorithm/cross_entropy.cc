@@ -46,7 +46,7 @@ class CrossEntropy final : public Algorithm {
                      [&](std::size_t a, std::size_t b) { return returns[a] > returns[b]; });
     order.resize(std::min(best_, order.size()));
     for (std::int32_t head = 0; head < layout_.heads; ++head) {
-      for (std::int32_t i = 0; i < kActionSize; ++i) Refit(batch, order, head, i);
+      for (std::int32_t i = 0; i < layout_.head_outputs; ++i) Refit(batch, order, head, i);
     }
     counters_ = CountersAfter(counters_, batch);
     UpdateReport report = ReportOf(counters_, batch);
@@ -87,7 +87,7 @@ class CrossEntropy final : public Algorithm {
     for (const std::size_t e : best) {
       for (std::size_t t = 0; t < batch[e].head.size(); ++t) {
         if (batch[e].head[t] != head) continue;
-        actions.push_back(batch[e].action[t * kActionSize + std::size_t(i)]);
+        actions.push_back(batch[e].action[t * std::size_t(layout_.head_outputs) + std::size_t(i)]);
       }
     }
     if (actions.empty()) return;
@@ -95,7 +95,7 @@ class CrossEntropy final : public Algorithm {
     const double mean = std::accumulate(actions.begin(), actions.end(), 0.0) / n;
     double variance = 0;
     for (const double action : actions) variance += (action - mean) * (action - mean) / n;
-    const auto at = std::size_t(head * kActionSize + i);
+    const auto at = std::size_t(head * layout_.head_outputs + i);
     parameters_[layout_.head.bias + at] = float(mean);
     parameters_[layout_.log_std + at] = float(std::log(std::sqrt(variance) + 0.1));
   }
