@@ -11,8 +11,9 @@ void AddHeads(const std::string& name, const std::string& meaning,
   if (values.size() != heads) throw std::invalid_argument(name + ": not one value a head");
   for (std::size_t head = 0; head < heads; ++head) {
     const std::string number = std::to_string(head);
-    metrics.push_back(
-        {name + "_head" + number, "head/" + name + "/" + number, values[head], meaning});
+    metrics.push_back({std::string(name).append("_head").append(number),
+                       std::string("head/").append(name).append("/").append(number), values[head],
+                       meaning});
   }
 }
 

@@ -37,6 +37,7 @@ class CrossEntropy final : public Algorithm {
 
   UpdateReport Update(const std::vector<Episode>& batch) override {
     std::vector<double> returns;
+    returns.reserve(batch.size());
     for (const Episode& episode : batch) {
       returns.push_back(std::accumulate(episode.reward.begin(), episode.reward.end(), 0.0));
     }
@@ -95,7 +96,7 @@ class CrossEntropy final : public Algorithm {
     const double mean = std::accumulate(actions.begin(), actions.end(), 0.0) / n;
     double variance = 0;
     for (const double action : actions) variance += (action - mean) * (action - mean) / n;
-    const auto at = std::size_t(head * layout_.head_outputs + i);
+    const std::size_t at = std::size_t(head) * std::size_t(layout_.head_outputs) + std::size_t(i);
     parameters_[layout_.head.bias + at] = float(mean);
     parameters_[layout_.log_std + at] = float(std::log(std::sqrt(variance) + 0.1));
   }
