@@ -183,9 +183,9 @@ TEST(EarlyEndTrainerTest, CountsTheStepsThatWereTakenAndTheRateFollowsThem) {
   Trainer trainer(config, Trainer::InitialState(config), 2);
   EXPECT_EQ(trainer.Update(ShortBatch(config, trainer.state())).steps, 55U);
   EXPECT_EQ(trainer.state().observation.count, 55);
-  const UpdateReport second = trainer.Update(ShortBatch(config, trainer.state()));
+  const PpoReport second = trainer.Update(ShortBatch(config, trainer.state()));
   EXPECT_EQ(second.steps, 110U);
-  EXPECT_EQ(second.episodes, 20U);
+  EXPECT_EQ(second.episodes_used, 20U);
   EXPECT_DOUBLE_EQ(second.learning_rate, 2.5e-4);
 }
 
