@@ -53,7 +53,8 @@ void RunFolder::Lock() {
   do {
     std::error_code error;
     fs::create_directories(path_, error);
-    if (error) {
+    const bool vanished = error == std::errc::file_exists && !fs::exists(fs::symlink_status(path_));
+    if (error && !vanished && !fs::is_directory(path_)) {
       throw std::system_error(error,
                               "cannot make " + path_ + " (--runs DIR: another folder of runs)");
     }
