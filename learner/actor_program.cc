@@ -1,12 +1,14 @@
 #include "learner/actor_program.h"
 
+#include <fcntl.h>
 #include <google/protobuf/text_format.h>
+#include <poll.h>
 #include <spawn.h>
-#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -20,39 +22,57 @@
 namespace metronome {
 namespace {
 
-/// A file in memory, for what a child says. @throws ConfigError.
-class Sheet {
+/// What a child says. A pipe: files, those in memory too, obey a limit of file sizes.
+class Ear {
  public:
-  Sheet() : descriptor_(memfd_create("metronome", MFD_CLOEXEC)) {
-    if (descriptor_ < 0) throw ConfigError(std::string("memfd_create: ") + std::strerror(errno));
-  }
-  ~Sheet() { close(descriptor_); }
-  Sheet(const Sheet&) = delete;
-  Sheet& operator=(const Sheet&) = delete;
-
-  [[nodiscard]] int descriptor() const { return descriptor_; }
-
-  /// Without the last end of line.
-  [[nodiscard]] std::string Text() const {
-    std::string text;
-    std::array<char, 4096> part{};
-    for (ssize_t got;
-         (got = pread(descriptor_, part.data(), part.size(), off_t(text.size()))) > 0;) {
-      text.append(part.data(), std::size_t(got));
+  /// @throws ConfigError.
+  Ear() {
+    if (pipe2(ends_.data(), O_CLOEXEC) != 0) {
+      throw ConfigError(std::string("cannot make a pipe: ") + std::strerror(errno));
     }
-    if (text.ends_with('\n')) text.pop_back();
-    return text;
+  }
+  ~Ear() {
+    close(ends_[0]);
+    CloseWriting();
+  }
+  Ear(const Ear&) = delete;
+  Ear& operator=(const Ear&) = delete;
+
+  [[nodiscard]] int reading() const { return ends_[0]; }
+  [[nodiscard]] int writing() const { return ends_[1]; }
+  /// Else the end would never come.
+  void CloseWriting() {
+    if (ends_[1] >= 0) close(ends_[1]);
+    ends_[1] = -1;
   }
 
  private:
-  const int descriptor_;
+  std::array<int, 2> ends_{};
 };
+
+/// @return false at the end.
+bool ReadSome(int descriptor, std::string& text) {
+  std::array<char, 4096> part{};
+  const ssize_t got = read(descriptor, part.data(), part.size());
+  if (got > 0) text.append(part.data(), std::size_t(got));
+  return got > 0 || (got < 0 && errno == EINTR);
+}
 
 struct Answer {
   int status = 0;  // as waitpid gives it
-  std::string out;
-  std::string err;
+  std::string out, err;
 };
+
+/// Reads both at once, so that the child never waits for the one that is not read.
+void Listen(const Ear& out, const Ear& err, Answer& answer) {
+  std::array<pollfd, 2> ears = {{{out.reading(), POLLIN, 0}, {err.reading(), POLLIN, 0}}};
+  while (ears[0].fd >= 0 || ears[1].fd >= 0) {
+    if (poll(ears.data(), ears.size(), -1) < 0) continue;
+    if (ears[0].revents != 0 && !ReadSome(ears[0].fd, answer.out)) ears[0].fd = -1;
+    if (ears[1].revents != 0 && !ReadSome(ears[1].fd, answer.err)) ears[1].fd = -1;
+  }
+  if (answer.err.ends_with('\n')) answer.err.pop_back();
+}
 
 /// @throws ConfigError if the program cannot be run.
 Answer Run(const std::string& program, std::initializer_list<std::string> words) {
@@ -61,25 +81,27 @@ Answer Run(const std::string& program, std::initializer_list<std::string> words)
   std::vector<char*> argv = {name.data()};
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  const Sheet out, err;
+  Ear out, err;
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, out.descriptor(), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, err.descriptor(), STDERR_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, out.writing(), STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, err.writing(), STDERR_FILENO);
   pid_t child = 0;
   const int failure = posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
-  Answer answer;
-  if (failure == 0) {
-    while (waitpid(child, &answer.status, 0) < 0 && errno == EINTR) {
-    }
-    answer.out = out.Text();
-    answer.err = err.Text();
-    return answer;
+  if (failure != 0) {
+    throw ConfigError(
+        "cannot run " + program + ": " + std::strerror(failure) +
+        "; it says what environments are like, and lies beside this program in a whole build "
+        "(deploy/setup)");
   }
-  throw ConfigError("cannot run " + program + ": " + std::strerror(failure) +
-                    "; it says what environments are like, and lies beside this program in a whole "
-                    "build (deploy/setup)");
+  out.CloseWriting();
+  err.CloseWriting();
+  Answer answer;
+  Listen(out, err, answer);
+  while (waitpid(child, &answer.status, 0) < 0 && errno == EINTR) {
+  }
+  return answer;
 }
 
 EnvironmentSpec Ask(const std::string& name) {
