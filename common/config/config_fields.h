@@ -42,7 +42,8 @@ std::string FieldText(const google::protobuf::Message& owner,
 
 /// Sets the leaf at `path` from text, which is written as FieldText does, numbers in any way that a
 /// file takes; a repeated leaf takes a comma-separated list, which replaces what was there. If it
-/// throws, the leaf may be unset. Types and ranges of types are checked, ranges of meaning are Validate's.
+/// throws, the leaf may be unset. Types and ranges of types are checked, ranges of meaning are
+/// Validate's.
 /// @throws ConfigError for an unknown path (near miss and list of that message's fields), a path
 ///         that is no leaf, a text of another type, or an alternative beside the one that is set.
 void SetField(google::protobuf::Message& message, const std::string& path, const std::string& text);
