@@ -209,7 +209,7 @@ TEST(DdsQosTest, ARefusedSampleIsWrittenOnceThereIsRoom) {
   };
   while (fits()) ASSERT_LT(++count, 10U);
 
-  std::thread writing([&] {
+  std::jthread writing([&] {
     EXPECT_EQ(writer.WriteUntil(Soon(), SomeOrder(count, 0)), dds::WriteResult::kWritten);
   });
   for (std::uint64_t expected = 0; expected <= count; ++expected) {
@@ -217,7 +217,6 @@ TEST(DdsQosTest, ARefusedSampleIsWrittenOnceThereIsRoom) {
     ASSERT_TRUE(taken);
     EXPECT_EQ(std::get<EpisodeOrder>(taken->content).actor_id, expected);
   }
-  writing.join();
 }
 
 }  // namespace
