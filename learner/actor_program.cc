@@ -22,21 +22,21 @@
 namespace metronome {
 namespace {
 
-/// What a child says. A pipe: files, those in memory too, obey a limit of file sizes.
-class Ear {
+/// From a child: files, those in memory too, obey a limit of file sizes.
+class Pipe {
  public:
   /// @throws ConfigError.
-  Ear() {
+  Pipe() {
     if (pipe2(ends_.data(), O_CLOEXEC) != 0) {
       throw ConfigError(std::string("cannot make a pipe: ") + std::strerror(errno));
     }
   }
-  ~Ear() {
+  ~Pipe() {
     close(ends_[0]);
     CloseWriting();
   }
-  Ear(const Ear&) = delete;
-  Ear& operator=(const Ear&) = delete;
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
 
   [[nodiscard]] int reading() const { return ends_[0]; }
   [[nodiscard]] int writing() const { return ends_[1]; }
@@ -64,12 +64,12 @@ struct Answer {
 };
 
 /// Reads both at once, so that the child never waits for the one that is not read.
-void Listen(const Ear& out, const Ear& err, Answer& answer) {
-  std::array<pollfd, 2> ears = {{{out.reading(), POLLIN, 0}, {err.reading(), POLLIN, 0}}};
-  while (ears[0].fd >= 0 || ears[1].fd >= 0) {
-    if (poll(ears.data(), ears.size(), -1) < 0) continue;
-    if (ears[0].revents != 0 && !ReadSome(ears[0].fd, answer.out)) ears[0].fd = -1;
-    if (ears[1].revents != 0 && !ReadSome(ears[1].fd, answer.err)) ears[1].fd = -1;
+void ReadBoth(const Pipe& out, const Pipe& err, Answer& answer) {
+  std::array<pollfd, 2> ends = {{{out.reading(), POLLIN, 0}, {err.reading(), POLLIN, 0}}};
+  while (ends[0].fd >= 0 || ends[1].fd >= 0) {
+    if (poll(ends.data(), ends.size(), -1) < 0) continue;
+    if (ends[0].revents != 0 && !ReadSome(ends[0].fd, answer.out)) ends[0].fd = -1;
+    if (ends[1].revents != 0 && !ReadSome(ends[1].fd, answer.err)) ends[1].fd = -1;
   }
   if (answer.err.ends_with('\n')) answer.err.pop_back();
 }
@@ -81,7 +81,7 @@ Answer Run(const std::string& program, std::initializer_list<std::string> words)
   std::vector<char*> argv = {name.data()};
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  Ear out, err;
+  Pipe out, err;
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, out.writing(), STDOUT_FILENO);
@@ -98,7 +98,7 @@ Answer Run(const std::string& program, std::initializer_list<std::string> words)
   out.CloseWriting();
   err.CloseWriting();
   Answer answer;
-  Listen(out, err, answer);
+  ReadBoth(out, err, answer);
   while (waitpid(child, &answer.status, 0) < 0 && errno == EINTR) {
   }
   return answer;

@@ -31,6 +31,14 @@ namespace fs = std::filesystem;
 // Who holds the lock, for the message alone: the lock itself never depends on it.
 std::string HolderText() { return "process " + std::to_string(getpid()) + " on " + HostName(); }
 
+/// Whether making the folder failed because another process made or removed it meanwhile.
+bool IsRace(const std::error_code& error, const std::string& path) {
+  if (error != std::errc::file_exists) return false;
+  std::error_code unknown;
+  const fs::file_type there = fs::symlink_status(path, unknown).type();
+  return there == fs::file_type::not_found || there == fs::file_type::directory;
+}
+
 /// Whether `path` names the open file.
 bool IsAt(int descriptor, const std::string& path) {
   struct stat opened {};
@@ -53,8 +61,7 @@ void RunFolder::Lock() {
   do {
     std::error_code error;
     fs::create_directories(path_, error);
-    const bool vanished = error == std::errc::file_exists && !fs::exists(fs::symlink_status(path_));
-    if (error && !vanished && !fs::is_directory(path_)) {
+    if (error && !IsRace(error, path_)) {
       throw std::system_error(error,
                               "cannot make " + path_ + " (--runs DIR: another folder of runs)");
     }
