@@ -229,15 +229,14 @@ void Coordinator::FinishUpdateIfDone() {
   steps_ = algorithm_.counters().steps;
   collector_.Publish(++version_, *outcome->collected.batch, now_());
   PublishState(false);
-  const TrainState state = CopyState();
-  // Actors and the next update go on while the disk is busy.
   if (!ending_ && !IsFinished()) collector_.SendOrders(now_());
-  StartUpdateIfReady();
-  TellProgress(*outcome, state);
   const bool milestone = setup_.milestone_every > 0 && version_ % setup_.milestone_every == 0;
-  if (version_ % setup_.checkpoint_every == 0 || milestone || IsFinished()) {
-    Save(state);
-  }
+  std::optional<TrainState> state;  // to encode it takes a while
+  if (version_ % setup_.checkpoint_every == 0 || milestone || IsFinished()) state = CopyState();
+  // Actors and the next update go on while the disk is busy.
+  StartUpdateIfReady();
+  TellProgress(*outcome);
+  if (state) Save(*state);
 }
 
 void Coordinator::OnUpdateFailed(const std::exception_ptr& error) {
@@ -260,14 +259,15 @@ void Coordinator::WaitForUpdate() {
   }
 }
 
-void Coordinator::TellProgress(const BackgroundUpdate::Outcome& outcome, const TrainState& state) {
+void Coordinator::TellProgress(const BackgroundUpdate::Outcome& outcome) {
   const CpuTimer timer(CpuUse::kSave);
   const WallReport wall = WallReportOf(outcome);
   status_.Updated(outcome.report, wall);
   try {
     record_.Updated(outcome.report, wall);
   } catch (const std::exception& failure) {
-    spdlog::error("the progress of update {} was not written: {}", state.version, failure.what());
+    spdlog::error("the progress of update {} was not written: {}", outcome.report.version,
+                  failure.what());
   }
 }
 

@@ -85,7 +85,7 @@ class Coordinator {
   void FinishUpdateIfDone();
   void OnUpdateFailed(const std::exception_ptr& error);
   void WaitForUpdate();
-  void TellProgress(const BackgroundUpdate::Outcome& outcome, const TrainState& state);
+  void TellProgress(const BackgroundUpdate::Outcome& outcome);
   [[nodiscard]] WallReport WallReportOf(const BackgroundUpdate::Outcome& outcome);
 
   [[nodiscard]] TrainState CopyState() const;
