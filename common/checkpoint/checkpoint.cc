@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 
+#include "common/checkpoint/repeated_field.h"
 #include "common/config/config.h"
 #include "common/policy/network.h"
 #include "common/policy/snapshot.h"
@@ -17,11 +18,6 @@ static_assert(std::endian::native == std::endian::little, "the frame is copied a
 constexpr std::string_view kMagic = "METRCKPT";
 constexpr std::uint32_t kLastFormatOfPpoAlone = 5;
 constexpr std::size_t kVersionAt = 8, kLengthAt = 12, kDigestAt = 20, kPayloadAt = 52;
-
-template <typename T>
-std::vector<T> FromField(const google::protobuf::RepeatedField<T>& field) {
-  return {field.begin(), field.end()};
-}
 
 void ToPayload(const TrainState& state, CheckpointPayload& payload) {
   payload.set_version(state.version);

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/messages/episode.h"
+#include "common/checkpoint/repeated_field.h"
 #include "common/policy/network.h"
 #include "common/policy/snapshot.h"
 #include "common/process/sha256.h"
@@ -14,11 +14,6 @@ namespace metronome {
 namespace {
 
 constexpr char kName[] = "ppo";
-
-template <typename T>
-std::vector<T> FromField(const google::protobuf::RepeatedField<T>& field) {
-  return {field.begin(), field.end()};
-}
 
 void ToPayload(const RunningStatistics& statistics, PpoStatePayload::Statistics& payload) {
   payload.mutable_mean()->Assign(statistics.mean.begin(), statistics.mean.end());
