@@ -29,11 +29,11 @@
 #include "common/process/process_identity.h"
 #include "common/process/signal_watch.h"
 
-namespace metronome {
+namespace metronome::actor {
 namespace {
 
-ActorClientOptions ClientOptions(const JoinOptions& options) {
-  ActorClientOptions client;
+client::ActorClientOptions ClientOptions(const JoinOptions& options) {
+  client::ActorClientOptions client;
   client.run_name = options.bus.run_name;
   client.domain = options.bus.domain;
   client.slots = options.envs;
@@ -43,32 +43,32 @@ ActorClientOptions ClientOptions(const JoinOptions& options) {
   } else if (options.stay) {
     client.patience.reset();
   }
-  client.actor_id = RandomId();
-  client.host = HostName();
+  client.actor_id = process::RandomId();
+  client.host = process::HostName();
   client.pid = static_cast<std::uint32_t>(getpid());
-  client.engine = EngineName();
-  client.build = BuildIdentity();
+  client.engine = process::EngineName();
+  client.build = process::BuildIdentity();
   return client;
 }
 
-int StatusOf(ActorEnd end, int signal) {
+int StatusOf(client::ActorEnd end, int signal) {
   switch (end) {
-    case ActorEnd::kFinished:
-      return kExitFinished;
-    case ActorEnd::kStopped:
-      return kExitSignalBase + signal;
-    case ActorEnd::kNoLearner:
-      return kExitNoLearner;
-    case ActorEnd::kRefused:
+    case client::ActorEnd::kFinished:
+      return process::kExitFinished;
+    case client::ActorEnd::kStopped:
+      return process::kExitSignalBase + signal;
+    case client::ActorEnd::kNoLearner:
+      return process::kExitNoLearner;
+    case client::ActorEnd::kRefused:
       break;
   }
-  return kExitFailure;
+  return process::kExitFailure;
 }
 
 /// Whom a signal stops, while there is someone.
 class StopTarget {
  public:
-  void Set(ActorClient* client) {
+  void Set(client::ActorClient* client) {
     const std::lock_guard lock(mutex_);
     client_ = client;
     if (client_ != nullptr && signal_ != 0) client_->Stop();
@@ -85,98 +85,104 @@ class StopTarget {
 
  private:
   mutable std::mutex mutex_;
-  ActorClient* client_ = nullptr;
+  client::ActorClient* client_ = nullptr;
   int signal_ = 0;
 };
 
 /// @throws SetUpFailed for what options or this machine do not allow.
 std::unique_ptr<ActorBus> MakeBus(const BusOptions& options, std::uint64_t actor_id) {
   try {
-    return MakeDdsActorBus(options, actor_id);
+    return dds::MakeDdsActorBus(options, actor_id);
   } catch (const std::invalid_argument& error) {
-    throw SetUpFailed(error.what());
+    throw client::SetUpFailed(error.what());
   }
 }
 
-int Serve(const JoinOptions& options, const EnvironmentRegistry& registry) {
-  if (const auto warning = TooManyThreads(options.envs, "--envs")) spdlog::warn("{}", *warning);
-  const ActorClientOptions client_options = ClientOptions(options);
+int Serve(const JoinOptions& options, const environment::EnvironmentRegistry& registry) {
+  if (const auto warning = process::TooManyThreads(options.envs, "--envs"))
+    spdlog::warn("{}", *warning);
+  const client::ActorClientOptions client_options = ClientOptions(options);
   StopTarget target;
   // Before the bus, whose threads must inherit the blocked signals.
-  const SignalWatch signals([&target](int number) { target.Signal(number); });
+  const process::SignalWatch signals([&target](int number) { target.Signal(number); });
   const auto bus = MakeBus(options.bus, client_options.actor_id);
-  ActorClient client(bus.get(), SetUpWith(registry), client_options);
+  client::ActorClient client(bus.get(), play::SetUpWith(registry), client_options);
   target.Set(&client);
-  const auto clear = [&target](ActorClient*) { target.Set(nullptr); };
-  const std::unique_ptr<ActorClient, decltype(clear)> set(&client, clear);
-  const ActorEnd end = client.Run();
-  spdlog::info("{}", CpuTimes::OfProcess().Report());
-  if (end == ActorEnd::kStopped) spdlog::info("stopped by signal {}", target.signal());
+  const auto clear = [&target](client::ActorClient*) { target.Set(nullptr); };
+  const std::unique_ptr<client::ActorClient, decltype(clear)> set(&client, clear);
+  const client::ActorEnd end = client.Run();
+  spdlog::info("{}", process::CpuTimes::OfProcess().Report());
+  if (end == client::ActorEnd::kStopped) spdlog::info("stopped by signal {}", target.signal());
   return StatusOf(end, target.signal());
 }
 
 /// @throws SetUpFailed.
-void RequireMachine(const EnvironmentRegistry& registry) {
+void RequireMachine(const environment::EnvironmentRegistry& registry) {
   try {
     registry.RequireMachine();
   } catch (const std::runtime_error& error) {
-    throw SetUpFailed(error.what());
+    throw client::SetUpFailed(error.what());
   }
 }
 
-int Execute(const JoinOptions& options, const EnvironmentRegistry& registry) {
-  SetUpLogging("actor", options.log);
-  IgnoreLostReaders();
+int Execute(const JoinOptions& options, const environment::EnvironmentRegistry& registry) {
+  process::SetUpLogging("actor", options.log);
+  process::IgnoreLostReaders();
   try {
     RequireMachine(registry);
     return Serve(options, registry);
-  } catch (const SetUpFailed& error) {
+  } catch (const client::SetUpFailed& error) {
     spdlog::error("{}", error.what());
-    return kExitUsage;
+    return process::kExitUsage;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
-    return kExitFailure;
+    return process::kExitFailure;
   }
 }
 
 /// Of the commands that come to an end by themselves: a stop needs no word, and nothing is left to
 /// tidy, since what they write is whole or not there.
-void EndAtOnce(int signal) { _exit(kExitSignalBase + signal); }
+void EndAtOnce(int signal) { _exit(process::kExitSignalBase + signal); }
 
-int Execute(const DescribeOptions& options, const EnvironmentRegistry& registry) {
+int Execute(const DescribeOptions& options, const environment::EnvironmentRegistry& registry) {
   std::string text;
   if (options.name.empty()) {
-    for (const EnvironmentEntry& entry : registry.entries()) text += entry.spec.short_name() + "\n";
+    for (const environment::EnvironmentEntry& entry : registry.entries())
+      text += entry.spec.short_name() + "\n";
   } else {
     try {
       google::protobuf::TextFormat::PrintToString(registry.Describe(options.name), &text);
     } catch (const std::invalid_argument& error) {
       std::cerr << error.what() << '\n';
-      return kExitUsage;
+      return process::kExitUsage;
     }
   }
   std::cout << text << std::flush;
-  return std::cout ? kExitFinished : kExitFailure;
+  return std::cout ? process::kExitFinished : process::kExitFailure;
 }
 
-int Execute(const TraceOptions& options, const EnvironmentRegistry& /*registry*/) {
-  return RunTrace(options, std::cout);
+int Execute(const replay::TraceOptions& options,
+            const environment::EnvironmentRegistry& /*registry*/) {
+  return replay::RunTrace(options, std::cout);
 }
-int Execute(const PlacementsOptions& options, const EnvironmentRegistry& /*registry*/) {
-  return RunPlacements(options, std::cout);
+int Execute(const replay::PlacementsOptions& options,
+            const environment::EnvironmentRegistry& /*registry*/) {
+  return replay::RunPlacements(options, std::cout);
 }
-int Execute(const EvaluateOptions& options, const EnvironmentRegistry& registry) {
-  return RunEvaluate(options, registry, std::cout, std::cerr);
+int Execute(const play::EvaluateOptions& options,
+            const environment::EnvironmentRegistry& registry) {
+  return play::RunEvaluate(options, registry, std::cout, std::cerr);
 }
-int Execute(const RenderOptions& options, const EnvironmentRegistry& registry) {
-  return RunRender(options, registry, std::cout, std::cerr);
+int Execute(const render::RenderOptions& options,
+            const environment::EnvironmentRegistry& registry) {
+  return render::RunRender(options, registry, std::cout, std::cerr);
 }
 
-int Main(int argc, char** argv, const EnvironmentRegistry& registry) {
+int Main(int argc, char** argv, const environment::EnvironmentRegistry& registry) {
   const auto parsed = ParseActorCommand(argc, argv, registry);
   if (const int* status = std::get_if<int>(&parsed)) return *status;
   const ActorCommand& command = std::get<ActorCommand>(parsed);
-  std::optional<SignalWatch> signals;
+  std::optional<process::SignalWatch> signals;
   if (!std::holds_alternative<JoinOptions>(command)) signals.emplace(EndAtOnce);
   return std::visit([&registry](const auto& options) { return Execute(options, registry); },
                     command);
@@ -184,14 +190,14 @@ int Main(int argc, char** argv, const EnvironmentRegistry& registry) {
 
 }  // namespace
 
-int RunActorProgram(int argc, char** argv, const EnvironmentRegistry& registry) {
-  IgnoreFileSizeLimit();
+int RunActorProgram(int argc, char** argv, const environment::EnvironmentRegistry& registry) {
+  process::IgnoreFileSizeLimit();
   try {
     return Main(argc, argv, registry);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "metronome-actor: %s\n", error.what());
-    return kExitFailure;
+    return process::kExitFailure;
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::actor

@@ -3,7 +3,7 @@
 
 /// The environments that metronome-actor plays: to add a family, add its table here.
 int main(int argc, char** argv) {
-  const metronome::EnvironmentRegistry registry(metronome::metaworld::Environments(),
-                                                metronome::metaworld::RequireScenes);
-  return metronome::RunActorProgram(argc, argv, registry);
+  const metronome::environment::EnvironmentRegistry registry(
+      metronome::metaworld::tasks::Environments(), metronome::metaworld::tasks::RequireScenes);
+  return metronome::actor::RunActorProgram(argc, argv, registry);
 }

@@ -13,7 +13,7 @@
 #include "common/text/cli_parse.h"
 #include "common/text/near_miss.h"
 
-namespace metronome {
+namespace metronome::actor {
 namespace {
 
 constexpr const char* kProgram = "metronome-actor";
@@ -24,10 +24,10 @@ struct Typed {
   std::string transport = "udp";
   std::string network = "loopback";
   std::string discovery_server;
-  TraceOptions trace;
-  PlacementsOptions placements;
-  EvaluateOptions evaluate;
-  RenderOptions render;
+  replay::TraceOptions trace;
+  replay::PlacementsOptions placements;
+  play::EvaluateOptions evaluate;
+  render::RenderOptions render;
   DescribeOptions environment;
 };
 
@@ -38,7 +38,7 @@ CLI::Validator OneOf(const std::string& kind, const std::vector<std::string>& wo
         for (const std::string& known : words) {
           if (word == known) return std::string();
         }
-        return UnknownName(kind, word, words);
+        return text::UnknownName(kind, word, words);
       },
       "");
 }
@@ -46,7 +46,7 @@ CLI::Validator OneOf(const std::string& kind, const std::vector<std::string>& wo
 /// The environments that a command may name.
 class TaskOption {
  public:
-  explicit TaskOption(const EnvironmentRegistry& registry) : registry_(registry) {}
+  explicit TaskOption(const environment::EnvironmentRegistry& registry) : registry_(registry) {}
 
   [[nodiscard]] CLI::Validator Check() const {
     return CLI::Validator(
@@ -63,14 +63,14 @@ class TaskOption {
 
   [[nodiscard]] std::string Help() const {
     std::string text = "Of these, also by other names:";
-    for (const EnvironmentEntry& entry : registry_.entries()) {
+    for (const environment::EnvironmentEntry& entry : registry_.entries()) {
       text += " " + entry.spec.short_name();
     }
     return text;
   }
 
  private:
-  const EnvironmentRegistry& registry_;
+  const environment::EnvironmentRegistry& registry_;
 };
 
 void AddEnvironment(CLI::App& app, Typed& typed) {
@@ -87,10 +87,10 @@ void AddRun(CLI::App& app, Typed& typed) {
       app.add_subcommand("run", "Join a run: play the episodes that its learner orders");
   run->add_option("--run", typed.run.bus.run_name, "Name of the run")->required();
   run->add_option("--domain", typed.run.bus.domain, "DDS domain, 0 to 232")
-      ->transform(Number<std::uint32_t>(0, 232))
+      ->transform(text::Number<std::uint32_t>(0, 232))
       ->capture_default_str();
   run->add_option("--envs", typed.run.envs, "Episodes at once, a thread each, 1 to 1024")
-      ->transform(Number<int>(1, 1024))
+      ->transform(text::Number<int>(1, 1024))
       ->capture_default_str();
   run->add_option("--network", typed.network,
                   "loopback: this machine alone; lan: all interfaces, found by multicast; or peers "
@@ -113,13 +113,13 @@ void AddRun(CLI::App& app, Typed& typed) {
                 "unless --learner-timeout says so");
   run->add_option("--learner-timeout,--wait", typed.run.learner_timeout,
                   "Seconds without a learner after which to give up (exit 3) [60]")
-      ->transform(Number<double>(0, 1e9));
+      ->transform(text::Number<double>(0, 1e9));
   run->add_option("--log", typed.run.log.level, "Least severe level to log, to standard error")
-      ->check(OneOf("level", LogLevels()))
+      ->check(OneOf("level", process::LogLevels()))
       ->capture_default_str();
   run->add_option("--log-format", typed.run.log.format,
                   "Of the log: text, or json: one object a line")
-      ->check(OneOf("format", LogFormats()))
+      ->check(OneOf("format", process::LogFormats()))
       ->capture_default_str();
   run->footer(
       "Exit status: 0 the run is finished, 1 refused or failed, 2 bad options or what this machine "
@@ -154,9 +154,9 @@ void AddPlacements(CLI::App& app, const TaskOption& task, Typed& typed) {
       ->check(OneOf("mode", {"random", "fixed", "mt1"}));
   placements->add_option("--seed", typed.placements.seed, "Run seed")
       ->required()
-      ->transform(Number<std::uint64_t>());
+      ->transform(text::Number<std::uint64_t>());
   placements->add_option("--count", typed.placements.count, "How many [10 random, 1 fixed, 50 mt1]")
-      ->transform(Number<std::uint64_t>(1, std::uint64_t{1} << 40));
+      ->transform(text::Number<std::uint64_t>(1, std::uint64_t{1} << 40));
 }
 
 /// Of which episodes, alike for evaluate and render.
@@ -173,12 +173,12 @@ void AddPlacementsOf(CLI::App& command, std::uint64_t& seed, std::string& placem
       .add_option("--seed", seed,
                   "Seed of random and mt1 placements, and of the orders of shuffled heads; a fixed "
                   "placement is the same for all")
-      ->transform(Number<std::uint64_t>())
+      ->transform(text::Number<std::uint64_t>())
       ->capture_default_str();
 }
 
 void AddEvaluate(CLI::App& app, const TaskOption& task, Typed& typed) {
-  EvaluateOptions& options = typed.evaluate;
+  play::EvaluateOptions& options = typed.evaluate;
   CLI::App* evaluate = app.add_subcommand(
       "evaluate",
       "Measure a checkpoint's deterministic policy, by default on placements never trained on");
@@ -189,17 +189,17 @@ void AddEvaluate(CLI::App& app, const TaskOption& task, Typed& typed) {
       ->add_option(
           "--episodes", options.episodes,
           "How many episodes, 1 to 1000000 [50; 1 where fixed placements make all the same]")
-      ->transform(Number<std::int32_t>(1, 1'000'000));
+      ->transform(text::Number<std::int32_t>(1, 1'000'000));
   AddPlacementsOf(*evaluate, options.seed, options.placements);
   evaluate
       ->add_option("--head-order", options.head_order,
                    "Which head acts in each of the k blocks of time, e.g. 0,1,1,3 for k = 4 "
                    "[as in training]")
-      ->transform(Number<std::uint32_t>())
+      ->transform(text::Number<std::uint32_t>())
       ->delimiter(',')
       ->allow_extra_args(false);
   evaluate->add_option("--threads", options.threads, "Episodes at once; 0: as many as cores")
-      ->transform(Number<std::int32_t>(0, 1024))
+      ->transform(text::Number<std::int32_t>(0, 1024))
       ->capture_default_str();
   evaluate->add_flag("--json", options.json, "Print one JSON object");
   evaluate->footer(
@@ -210,7 +210,7 @@ void AddEvaluate(CLI::App& app, const TaskOption& task, Typed& typed) {
 }
 
 void AddRender(CLI::App& app, const TaskOption& task, Typed& typed) {
-  RenderOptions& options = typed.render;
+  render::RenderOptions& options = typed.render;
   CLI::App* render = app.add_subcommand(
       "render",
       "Draw an episode of a checkpoint's deterministic policy: a picture of the hand's "
@@ -226,7 +226,7 @@ void AddRender(CLI::App& app, const TaskOption& task, Typed& typed) {
       ->check(task.Check());
   AddPlacementsOf(*render, options.seed, options.placements);
   render->add_option("--episode", options.episode, "Which of evaluate's episodes, from 0")
-      ->transform(Number<std::uint64_t>())
+      ->transform(text::Number<std::uint64_t>())
       ->capture_default_str();
   render->add_option("--size", options.size, "WIDTHxHEIGHT in pixels [1280x960; .mp4 640x480]");
   render
@@ -238,14 +238,14 @@ void AddRender(CLI::App& app, const TaskOption& task, Typed& typed) {
   render
       ->add_option("--arm-opacity", options.arm_opacity,
                    "0 to 1: shows what the arm hides [.png with path 0.4, else 1]")
-      ->transform(Number<double>(0, 1));
+      ->transform(text::Number<double>(0, 1));
   render->add_option("--step", options.step, ".png: draw the arm as after so many steps [the last]")
-      ->transform(Number<std::int32_t>());
+      ->transform(text::Number<std::int32_t>());
   render->add_option("--every", options.every, ".mp4: a frame every so many steps, 80 a second")
-      ->transform(Number<int>(1, 1'000'000))
+      ->transform(text::Number<int>(1, 1'000'000))
       ->capture_default_str();
   render->add_option("--speed", options.speed, ".mp4: times real time")
-      ->transform(Number<double>(0.01, 100))
+      ->transform(text::Number<double>(0.01, 100))
       ->capture_default_str();
   render->footer(
       "What is otherwise than in training is a warning, as evaluate's. Files are whole or not "
@@ -258,18 +258,18 @@ JoinOptions Judge(Typed typed) {
   typed.run.bus.transport = ParseTransport(typed.transport);
   typed.run.bus.network = ParseNetwork(typed.network);
   typed.run.bus.discovery_servers = ParseDiscoveryServers(typed.discovery_server);
-  CheckRunName(typed.run.bus.run_name);
+  config::CheckRunName(typed.run.bus.run_name);
   CheckBusOptions(typed.run.bus);
-  CheckIdentity(typed.run.bus, "actor");
+  dds::security::CheckIdentity(typed.run.bus, "actor");
   return typed.run;
 }
 
 }  // namespace
 
-std::variant<ActorCommand, int> ParseActorCommand(int argc, const char* const* argv,
-                                                  const EnvironmentRegistry& registry) {
+std::variant<ActorCommand, int> ParseActorCommand(
+    int argc, const char* const* argv, const environment::EnvironmentRegistry& registry) {
   CLI::App app("Plays episodes for a Metronome learner, or looks at them.", kProgram);
-  app.set_version_flag("--version", ProjectVersion() + " (" + EngineName() + ")");
+  app.set_version_flag("--version", process::ProjectVersion() + " (" + process::EngineName() + ")");
   app.footer("metronome-actor COMMAND --help says more of a command.");
   Typed typed;
   const TaskOption task(registry);
@@ -279,7 +279,7 @@ std::variant<ActorCommand, int> ParseActorCommand(int argc, const char* const* a
   AddPlacements(app, task, typed);
   AddEvaluate(app, task, typed);
   AddRender(app, task, typed);
-  if (const auto status = ParseCommandLine(app, argc, argv)) return *status;
+  if (const auto status = text::ParseCommandLine(app, argc, argv)) return *status;
   if (app.got_subcommand("environment")) return ActorCommand(typed.environment);
   if (app.got_subcommand("trace")) return ActorCommand(typed.trace);
   if (app.got_subcommand("placements")) return ActorCommand(typed.placements);
@@ -288,8 +288,8 @@ std::variant<ActorCommand, int> ParseActorCommand(int argc, const char* const* a
   try {
     return ActorCommand(Judge(typed));
   } catch (const std::invalid_argument& error) {
-    return UsageError(std::string(kProgram) + " run", error.what());
+    return text::UsageError(std::string(kProgram) + " run", error.what());
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::actor

@@ -13,7 +13,7 @@
 #include "common/messages/bus_options.h"
 #include "common/process/logging.h"
 
-namespace metronome {
+namespace metronome::actor {
 
 /// `metronome-actor run`.
 struct JoinOptions {
@@ -21,7 +21,7 @@ struct JoinOptions {
   int envs = 1;  // episodes at once, a thread each
   bool stay = false;
   std::optional<double> learner_timeout;  // seconds
-  LogOptions log;
+  process::LogOptions log;
 };
 
 /// `metronome-actor environment`.
@@ -29,12 +29,13 @@ struct DescribeOptions {
   std::string name;  // empty: all names
 };
 
-using ActorCommand = std::variant<JoinOptions, DescribeOptions, TraceOptions, PlacementsOptions,
-                                  EvaluateOptions, RenderOptions>;
+using ActorCommand =
+    std::variant<JoinOptions, DescribeOptions, replay::TraceOptions, replay::PlacementsOptions,
+                 play::EvaluateOptions, render::RenderOptions>;
 
 /// The command line of an actor program with these environments. Prints help and complaints itself.
 /// @return the command, or the exit status: 0 (help), 2 (usage).
 std::variant<ActorCommand, int> ParseActorCommand(int argc, const char* const* argv,
-                                                  const EnvironmentRegistry& registry);
+                                                  const environment::EnvironmentRegistry& registry);
 
-}  // namespace metronome
+}  // namespace metronome::actor

@@ -19,7 +19,7 @@
 #include "common/config/config_fields.h"
 #include "common/process/exit_codes.h"
 
-namespace metronome {
+namespace metronome::learner {
 namespace {
 
 /// From a child: files, those in memory too, obey a limit of file sizes.
@@ -28,7 +28,7 @@ class Pipe {
   /// @throws ConfigError.
   Pipe() {
     if (pipe2(ends_.data(), O_CLOEXEC) != 0) {
-      throw ConfigError(std::string("cannot make a pipe: ") + std::strerror(errno));
+      throw config::ConfigError(std::string("cannot make a pipe: ") + std::strerror(errno));
     }
   }
   ~Pipe() {
@@ -90,7 +90,7 @@ Answer Run(const std::string& program, std::initializer_list<std::string> words)
   const int failure = posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (failure != 0) {
-    throw ConfigError(
+    throw config::ConfigError(
         "cannot run " + program + ": " + std::strerror(failure) +
         "; it says what environments are like, and lies beside this program in a whole build "
         "(deploy/setup)");
@@ -112,20 +112,20 @@ EnvironmentSpec Ask(const std::string& name) {
   const std::string program =
       std::filesystem::read_symlink("/proc/self/exe").replace_filename("metronome-actor").string();
   const Answer answer = Run(program, {"environment", name});
-  if (WIFEXITED(answer.status) && WEXITSTATUS(answer.status) == kExitUsage) {
+  if (WIFEXITED(answer.status) && WEXITSTATUS(answer.status) == process::kExitUsage) {
     throw std::invalid_argument(answer.err);
   }
   EnvironmentSpec spec;
   if (answer.status != 0 || !google::protobuf::TextFormat::ParseFromString(answer.out, &spec)) {
-    throw ConfigError(program + " does not say what environment \"" + name +
-                      "\" is like: " + (answer.err.empty() ? answer.out : answer.err));
+    throw config::ConfigError(program + " does not say what environment \"" + name +
+                              "\" is like: " + (answer.err.empty() ? answer.out : answer.err));
   }
   return spec;
 }
 
 }  // namespace
 
-SpecSource AskActorProgram() {
+config::SpecSource AskActorProgram() {
   const auto known = std::make_shared<std::map<std::string, EnvironmentSpec>>();
   return [known](const std::string& name) {
     const auto at = known->find(name);
@@ -133,4 +133,4 @@ SpecSource AskActorProgram() {
   };
 }
 
-}  // namespace metronome
+}  // namespace metronome::learner

@@ -10,17 +10,18 @@
 #include "learner/record/run_folder.h"
 #include "learner/run/run_start.h"
 
-namespace metronome {
+namespace metronome::learner {
 namespace {
 
 int CodeOf(const std::exception& error) {
-  if (dynamic_cast<const RunFolderBusy*>(&error) != nullptr) return kExitRival;
+  if (dynamic_cast<const record::RunFolderBusy*>(&error) != nullptr) return process::kExitRival;
   // Another start may find it readable.
-  if (dynamic_cast<const CheckpointUnreadable*>(&error) != nullptr) return kExitFailure;
-  const bool for_ever = dynamic_cast<const CheckpointError*>(&error) != nullptr ||
-                        dynamic_cast<const CannotStart*>(&error) != nullptr ||
+  if (dynamic_cast<const checkpoint::CheckpointUnreadable*>(&error) != nullptr)
+    return process::kExitFailure;
+  const bool for_ever = dynamic_cast<const checkpoint::CheckpointError*>(&error) != nullptr ||
+                        dynamic_cast<const run::CannotStart*>(&error) != nullptr ||
                         dynamic_cast<const std::invalid_argument*>(&error) != nullptr;
-  return for_ever ? kExitUsage : kExitFailure;
+  return for_ever ? process::kExitUsage : process::kExitFailure;
 }
 
 }  // namespace
@@ -39,8 +40,8 @@ int CodeOfServing(const std::function<int()>& serve) {
     return serve();
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
-    return kExitFailure;
+    return process::kExitFailure;
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::learner

@@ -2,5 +2,6 @@
 #include "learner/program.h"
 
 int main(int argc, char** argv) {
-  return metronome::LearnerProgram(argc, argv, {{"ppo", metronome::MakePpoFactory()}});
+  return metronome::learner::LearnerProgram(argc, argv,
+                                            {{"ppo", metronome::ppo::MakePpoFactory()}});
 }

@@ -18,7 +18,7 @@
 #include "learner/record/run_folder.h"
 #include "learner/run/initial_weights.h"
 
-namespace metronome {
+namespace metronome::learner {
 namespace {
 
 namespace fs = std::filesystem;
@@ -86,15 +86,15 @@ struct RunArguments {
   bool resume = false;
   bool new_total = false;
   std::string progress = "lines";
-  LogOptions log;
+  process::LogOptions log;
 };
 
 std::string DefaultText(const std::string& wanted) {
   std::string text;
-  VisitFields(Resolve(RunConfig()),
-              [&](const std::string& path, const auto& owner, const auto& field) {
-                if (path == wanted) text = FieldText(owner, field);
-              });
+  config::VisitFields(config::Resolve(RunConfig()),
+                      [&](const std::string& path, const auto& owner, const auto& field) {
+                        if (path == wanted) text = config::FieldText(owner, field);
+                      });
   return text;
 }
 
@@ -139,7 +139,7 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
       ->type_name("X");
   command
       .add_option("--log-level", arguments.log.level,
-                  "On standard error: " + JoinNames(LogLevels()) +
+                  "On standard error: " + text::JoinNames(process::LogLevels()) +
                       " [default: " + arguments.log.level + "]")
       ->type_name("X");
   command
@@ -153,7 +153,7 @@ void AddStatusOptions(CLI::App& command, StatusOptions& options) {
   command.add_option("RUN", options.run, "Name of the run")->type_name("");
   command.add_option("--domain", options.domain, "DDS domain, 0 to 232 [default: 0]")
       ->type_name("N")
-      ->transform(Number<std::uint32_t>(0, 232));
+      ->transform(text::Number<std::uint32_t>(0, 232));
   command.add_option("--transport", options.transport, "udp, shm or tcp [default: udp]")
       ->type_name("X");
   command
@@ -174,7 +174,7 @@ void AddStatusOptions(CLI::App& command, StatusOptions& options) {
   command
       .add_option("--wait", options.wait_seconds, "Seconds to look for the learner [default: 10]")
       ->type_name("S")
-      ->transform(Number<double>(0, 86400));
+      ->transform(text::Number<double>(0, 86400));
 }
 
 /// --goal speaks in words, its field is a truth value.
@@ -182,11 +182,11 @@ std::string FieldValue(const FieldOption& option, const std::string& text) {
   if (option.name != std::string("--goal")) return text;
   if (text == "visible") return "true";
   if (text == "hidden") return "false";
-  throw ConfigError("--goal: " + UnknownName("value", text, {"visible", "hidden"}));
+  throw config::ConfigError("--goal: " + text::UnknownName("value", text, {"visible", "hidden"}));
 }
 
-RunConfig BuildConfig(ConfigDraft draft, const CLI::App& command, const ConfigArguments& arguments,
-                      const SpecSource& specs) {
+RunConfig BuildConfig(config::ConfigDraft draft, const CLI::App& command,
+                      const ConfigArguments& arguments, const config::SpecSource& specs) {
   if (!arguments.file.empty()) draft.ReadFile(arguments.file);
   for (const std::string& setting : arguments.settings) draft.SetFromArgument(setting);
   for (const FieldOption& option : kFieldOptions) {
@@ -199,19 +199,21 @@ RunConfig BuildConfig(ConfigDraft draft, const CLI::App& command, const ConfigAr
   return config;
 }
 
-ProgressStyle ProgressOf(const std::string& word) {
-  const std::map<std::string, ProgressStyle> styles = {{"lines", ProgressStyle::kLines},
-                                                       {"json", ProgressStyle::kJson},
-                                                       {"none", ProgressStyle::kNone}};
+record::ProgressStyle ProgressOf(const std::string& word) {
+  const std::map<std::string, record::ProgressStyle> styles = {
+      {"lines", record::ProgressStyle::kLines},
+      {"json", record::ProgressStyle::kJson},
+      {"none", record::ProgressStyle::kNone}};
   const auto found = styles.find(word);
   if (found != styles.end()) return found->second;
-  throw ConfigError("--progress: " + UnknownName("value", word, {"lines", "json", "none"}));
+  throw config::ConfigError("--progress: " +
+                            text::UnknownName("value", word, {"lines", "json", "none"}));
 }
 
 void RequireKnown(const std::string& option, const std::string& word,
                   const std::vector<std::string>& words) {
   if (std::find(words.begin(), words.end(), word) != words.end()) return;
-  throw ConfigError(option + ": " + UnknownName("value", word, words));
+  throw config::ConfigError(option + ": " + text::UnknownName("value", word, words));
 }
 
 /// The configuration that the run's file holds; none if it is missing or ends too early.
@@ -220,60 +222,63 @@ std::optional<RunConfig> ConfigOfFile(const std::string& path) {
   if (!fs::exists(path)) return std::nullopt;
   std::string text;
   try {
-    text = ReadFile(path);
+    text = process::ReadFile(path);
   } catch (const std::system_error& error) {
-    throw ConfigError("cannot read " + path + ": " + error.code().message());
+    throw config::ConfigError("cannot read " + path + ": " + error.code().message());
   }
   // PrintConfig writes the total last.
   const bool whole = text.ends_with('\n') && text.find("\ntotal_steps:") != std::string::npos;
   if (!whole) return std::nullopt;
   try {
-    return ParseConfigText(text, path).config;
-  } catch (const ConfigError& error) {
-    throw ConfigError(std::string(error.what()) +
-                      " (without the file, --resume takes the newest checkpoint's configuration)");
+    return config::ParseConfigText(text, path).config;
+  } catch (const config::ConfigError& error) {
+    throw config::ConfigError(
+        std::string(error.what()) +
+        " (without the file, --resume takes the newest checkpoint's configuration)");
   }
 }
 
 /// The run's own configuration: its file's, or its newest checkpoint's. @throws ConfigError.
-RunConfig OwnConfig(const std::string& folder, const SpecSource& specs,
+RunConfig OwnConfig(const std::string& folder, const config::SpecSource& specs,
                     std::vector<std::string>& warnings) {
-  const std::string path = ConfigPathOf(folder);
+  const std::string path = record::ConfigPathOf(folder);
   if (auto config = ConfigOfFile(path)) return *config;
   const std::string damage = path + (fs::exists(path) ? " is not whole" : " is missing");
   try {
-    if (const auto found = FindNewestCheckpoint(folder + "/checkpoints", specs)) {
+    if (const auto found = checkpoint::FindNewestCheckpoint(folder + "/checkpoints", specs)) {
       warnings.push_back(damage + ": it is made anew from " + found->path);
       return found->checkpoint.config;
     }
-  } catch (const CheckpointError& error) {
-    throw ConfigError(damage + ", and " + error.what());
+  } catch (const checkpoint::CheckpointError& error) {
+    throw config::ConfigError(damage + ", and " + error.what());
   }
   if (fs::exists(path) || fs::exists(folder + "/checkpoints")) {
-    throw ConfigError(damage + ", and the run has no checkpoint: begin anew under another --run");
+    throw config::ConfigError(damage +
+                              ", and the run has no checkpoint: begin anew under another --run");
   }
-  throw ConfigError("no run to resume: there is no " + path +
-                    " (--runs names the folder of all runs)");
+  throw config::ConfigError("no run to resume: there is no " + path +
+                            " (--runs names the folder of all runs)");
 }
 
 RunConfig ResumedConfig(const RunArguments& run, const CLI::App& command,
                         const ConfigArguments& arguments, RunOptions& options) {
   RunConfig old_config = OwnConfig(options.folder, options.specs, options.warnings);
-  CompleteSpec(old_config, options.specs);
-  old_config = Resolve(std::move(old_config));
-  RunConfig config = BuildConfig(ConfigDraft(old_config), command, arguments, options.specs);
-  const auto differences = CompareForResume(old_config, config, run.new_total);
+  config::CompleteSpec(old_config, options.specs);
+  old_config = config::Resolve(std::move(old_config));
+  RunConfig config =
+      BuildConfig(config::ConfigDraft(old_config), command, arguments, options.specs);
+  const auto differences = config::CompareForResume(old_config, config, run.new_total);
   if (differences.empty()) return config;
   std::string message = "cannot resume run " + run.run + " with another configuration:";
   for (const auto& difference : differences) message += "\n  " + difference;
-  throw ConfigError(message);
+  throw config::ConfigError(message);
 }
 
 RunOptions BuildRun(const RunArguments& run, const CLI::App& command,
-                    const ConfigArguments& arguments, const SpecSource& specs) {
-  if (run.run.empty()) throw ConfigError("--run NAME is needed: it names the run's folder");
-  CheckRunName(run.run);
-  if (run.new_total && !run.resume) throw ConfigError("--new-total is for --resume only");
+                    const ConfigArguments& arguments, const config::SpecSource& specs) {
+  if (run.run.empty()) throw config::ConfigError("--run NAME is needed: it names the run's folder");
+  config::CheckRunName(run.run);
+  if (run.new_total && !run.resume) throw config::ConfigError("--new-total is for --resume only");
   RunOptions options;
   options.run = run.run;
   options.specs = specs;
@@ -281,20 +286,20 @@ RunOptions BuildRun(const RunArguments& run, const CLI::App& command,
   options.resume = run.resume;
   options.progress = ProgressOf(run.progress);
   options.log = run.log;
-  RequireKnown("--log-level", run.log.level, LogLevels());
-  RequireKnown("--log-format", run.log.format, LogFormats());
+  RequireKnown("--log-level", run.log.level, process::LogLevels());
+  RequireKnown("--log-format", run.log.format, process::LogFormats());
   if (run.resume) {
     options.config = ResumedConfig(run, command, arguments, options);
     return options;
   }
-  options.config = BuildConfig(ConfigDraft(), command, arguments, specs);
-  if (fs::exists(ConfigPathOf(options.folder)) ||
+  options.config = BuildConfig(config::ConfigDraft(), command, arguments, specs);
+  if (fs::exists(record::ConfigPathOf(options.folder)) ||
       fs::exists(fs::path(options.folder) / "checkpoints")) {
-    throw ConfigError("run " + run.run + " exists (" + options.folder +
-                      "): --resume goes on with it; choose another --run for a new one");
+    throw config::ConfigError("run " + run.run + " exists (" + options.folder +
+                              "): --resume goes on with it; choose another --run for a new one");
   }
   if (!options.config.policy().initial_weights().empty()) {
-    LoadInitialWeights(options.config, specs);
+    run::LoadInitialWeights(options.config, specs);
   }
   return options;
 }
@@ -302,10 +307,10 @@ RunOptions BuildRun(const RunArguments& run, const CLI::App& command,
 }  // namespace
 
 std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* const* argv,
-                                                      const SpecSource& specs) {
+                                                      const config::SpecSource& specs) {
   CLI::App app("Learns a task from the episodes of actors (metronome-actor run --run NAME).",
                "metronome-learner");
-  app.set_version_flag("--version", BuildIdentity() + ", " + EngineName());
+  app.set_version_flag("--version", process::BuildIdentity() + ", " + process::EngineName());
   ConfigArguments arguments, print_arguments;
   RunArguments run;
   InspectOptions inspect;
@@ -325,27 +330,28 @@ std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* cons
       app.add_subcommand("status", "Show a running run, from any terminal or machine");
   AddStatusOptions(*status_command, status);
 
-  if (const auto code = ParseCommandLine(app, argc, argv)) return *code;
+  if (const auto code = text::ParseCommandLine(app, argc, argv)) return *code;
   const CLI::App& given = *app.get_subcommands().front();
   try {
     if (&given == run_command) return BuildRun(run, given, arguments, specs);
     if (&given == config_command) {
-      return PrintConfigOptions{BuildConfig(ConfigDraft(), given, print_arguments, specs)};
+      return PrintConfigOptions{BuildConfig(config::ConfigDraft(), given, print_arguments, specs)};
     }
     if (&given == status_command) {
-      if (status.run.empty()) throw ConfigError("name the RUN to show");
-      CheckRunName(status.run);
+      if (status.run.empty()) throw config::ConfigError("name the RUN to show");
+      config::CheckRunName(status.run);
       return status;
     }
-    if (inspect.checkpoint.empty()) throw ConfigError("name the CHECKPOINT file to inspect");
+    if (inspect.checkpoint.empty())
+      throw config::ConfigError("name the CHECKPOINT file to inspect");
     return inspect;
   } catch (const fs::filesystem_error& error) {
-    return UsageError(app.get_name() + " " + given.get_name(),
-                      "cannot look into " + error.path1().string() + ": " + error.code().message() +
-                          " (--runs names another folder of runs)");
-  } catch (const ConfigError& error) {
-    return UsageError(app.get_name() + " " + given.get_name(), error.what());
+    return text::UsageError(app.get_name() + " " + given.get_name(),
+                            "cannot look into " + error.path1().string() + ": " +
+                                error.code().message() + " (--runs names another folder of runs)");
+  } catch (const config::ConfigError& error) {
+    return text::UsageError(app.get_name() + " " + given.get_name(), error.what());
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::learner

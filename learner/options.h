@@ -11,13 +11,13 @@
 #include "learner/run/run_start.h"
 
 /// The command line of metronome-learner.
-namespace metronome {
+namespace metronome::learner {
 
 /// `run`: everything checked, nothing started.
-struct RunOptions : RunRequest {
+struct RunOptions : run::RunRequest {
   std::vector<std::string> warnings;  // to be logged
-  ProgressStyle progress = ProgressStyle::kLines;
-  LogOptions log;
+  record::ProgressStyle progress = record::ProgressStyle::kLines;
+  process::LogOptions log;
 };
 
 /// `inspect`.
@@ -53,6 +53,6 @@ using LearnerCommand = std::variant<RunOptions, InspectOptions, PrintConfigOptio
 ///         them a run that exists (without --resume) or does not (with it), and a difference that
 ///         forbids resuming.
 std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* const* argv,
-                                                      const SpecSource& specs);
+                                                      const config::SpecSource& specs);
 
-}  // namespace metronome
+}  // namespace metronome::learner

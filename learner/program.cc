@@ -17,7 +17,7 @@
 #include "learner/serve.h"
 #include "learner/show_status.h"
 
-namespace metronome {
+namespace metronome::learner {
 namespace {
 
 /// What was printed is the result. @throws std::runtime_error if it is lost (a full disk, say).
@@ -25,37 +25,39 @@ void RequireWritten() {
   if (!std::cout.flush()) throw std::runtime_error("cannot write to standard output");
 }
 
-int Execute(const RunOptions& options, const Algorithms& algorithms) {
+int Execute(const RunOptions& options, const algorithm::Algorithms& algorithms) {
   return ServeRun(options, algorithms);
 }
 
-int Execute(const StatusOptions& options, const Algorithms& /*algorithms*/) {
+int Execute(const StatusOptions& options, const algorithm::Algorithms& /*algorithms*/) {
   return WatchRun(options);
 }
 
-int Execute(const InspectOptions& options, const Algorithms& /*algorithms*/) {
+int Execute(const InspectOptions& options, const algorithm::Algorithms& /*algorithms*/) {
   try {
-    const Checkpoint checkpoint = LoadCheckpoint(options.checkpoint, AskActorProgram());
-    (options.json ? PrintCheckpointJson : PrintCheckpoint)(checkpoint, std::cout);
+    const checkpoint::Checkpoint checkpoint =
+        checkpoint::LoadCheckpoint(options.checkpoint, AskActorProgram());
+    (options.json ? record::PrintCheckpointJson : record::PrintCheckpoint)(checkpoint, std::cout);
     RequireWritten();
-    return kExitFinished;
+    return process::kExitFinished;
   } catch (const std::exception& error) {
     std::cerr << "metronome-learner inspect: " << error.what() << "\n";
-    return kExitFailure;
+    return process::kExitFailure;
   }
 }
 
 // The counts are a comment: the output is a configuration file.
-int Execute(const PrintConfigOptions& options, const Algorithms& /*algorithms*/) {
-  const NetworkShape shape = ShapeOf(options.config);
-  std::cout << "# parameters: " << ParameterCount(shape) << " (actor " << ActorLayout(shape).size
-            << ", critic " << CriticLayout(shape).size << ")\n"
-            << PrintConfig(options.config);
+int Execute(const PrintConfigOptions& options, const algorithm::Algorithms& /*algorithms*/) {
+  const policy::NetworkShape shape = policy::ShapeOf(options.config);
+  std::cout << "# parameters: " << policy::ParameterCount(shape) << " (actor "
+            << policy::ActorLayout(shape).size << ", critic " << policy::CriticLayout(shape).size
+            << ")\n"
+            << config::PrintConfig(options.config);
   RequireWritten();
-  return kExitFinished;
+  return process::kExitFinished;
 }
 
-int Execute(int argc, char** argv, const Algorithms& algorithms) {
+int Execute(int argc, char** argv, const algorithm::Algorithms& algorithms) {
   const auto parsed = ParseLearnerCommand(argc, argv, AskActorProgram());
   if (const int* status = std::get_if<int>(&parsed)) return *status;
   return std::visit([&](const auto& command) { return Execute(command, algorithms); },
@@ -64,14 +66,14 @@ int Execute(int argc, char** argv, const Algorithms& algorithms) {
 
 }  // namespace
 
-int LearnerProgram(int argc, char** argv, const Algorithms& algorithms) {
-  IgnoreFileSizeLimit();
+int LearnerProgram(int argc, char** argv, const algorithm::Algorithms& algorithms) {
+  process::IgnoreFileSizeLimit();
   try {
     return Execute(argc, argv, algorithms);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "metronome-learner: %s\n", error.what());
-    return kExitFailure;
+    return process::kExitFailure;
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::learner

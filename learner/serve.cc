@@ -31,13 +31,13 @@
 #include "learner/run/run_start.h"
 #include "learner/watch/metrics_server.h"
 
-namespace metronome {
+namespace metronome::learner {
 namespace {
 
 /// Whom a signal stops, while there is someone. Thread-safe.
 class StopTarget {
  public:
-  void Set(Coordinator* coordinator) {
+  void Set(run::Coordinator* coordinator) {
     const std::lock_guard lock(mutex_);
     coordinator_ = coordinator;
     if (coordinator_ != nullptr && signal_ != 0) coordinator_->RequestStop(signal_);
@@ -50,12 +50,12 @@ class StopTarget {
 
  private:
   std::mutex mutex_;
-  Coordinator* coordinator_ = nullptr;
+  run::Coordinator* coordinator_ = nullptr;
   int signal_ = 0;
 };
 
 std::string HostAndProcess() {
-  return "on " + HostName() + ", process " + std::to_string(getpid());
+  return "on " + process::HostName() + ", process " + std::to_string(getpid());
 }
 
 BusOptions BusOptionsOf(const RunOptions& options) {
@@ -67,7 +67,7 @@ BusOptions BusOptionsOf(const RunOptions& options) {
   bus.security = options.config.runtime().security();
   bus.discovery_servers = ParseDiscoveryServers(options.config.runtime().discovery_server());
   CheckBusOptions(bus);
-  CheckIdentity(bus, "learner");
+  dds::security::CheckIdentity(bus, "learner");
   return bus;
 }
 
@@ -76,11 +76,11 @@ std::uint64_t DividedUp(std::uint64_t number, std::uint64_t by) {
 }
 
 /// Of whole updates, if none of their episodes ends early.
-RunLength LengthOf(const RunConfig& config) {
+record::RunLength LengthOf(const RunConfig& config) {
   const auto steps_per_update =
       static_cast<std::uint64_t>(config.collection().episodes_per_update()) *
       static_cast<std::uint64_t>(config.environment().horizon());
-  RunLength length;
+  record::RunLength length;
   length.varies = config.environment().spec().may_end_early();
   length.updates = DividedUp(config.total_steps(), steps_per_update);
   length.total_steps = length.varies ? config.total_steps() : length.updates * steps_per_update;
@@ -89,7 +89,7 @@ RunLength LengthOf(const RunConfig& config) {
 
 /// Updates that reach the total if each episode has a single step.
 std::uint64_t MostUpdates(const RunConfig& config) {
-  const RunLength length = LengthOf(config);
+  const record::RunLength length = LengthOf(config);
   if (!length.varies) return length.updates;
   return DividedUp(config.total_steps(),
                    static_cast<std::uint64_t>(config.collection().episodes_per_update()));
@@ -99,18 +99,19 @@ std::uint64_t MostUpdates(const RunConfig& config) {
 /// by UDP are the actors' addresses here, and the learner's there.
 std::string NetworkOfActors(const RuntimeConfig& runtime) {
   const bool names_peers = runtime.network() != "loopback" && runtime.network() != "lan";
-  if (names_peers && runtime.transport() != "tcp") return "<address of " + HostName() + ">";
+  if (names_peers && runtime.transport() != "tcp")
+    return "<address of " + process::HostName() + ">";
   return runtime.network();
 }
 
-CoordinatorSetup SetupOf(const RunOptions& options, const RunStart& start) {
+run::CoordinatorSetup SetupOf(const RunOptions& options, const run::RunStart& start) {
   const RunConfig& config = options.config;
-  CoordinatorSetup setup;
-  setup.description.learner_id = RandomId();
+  run::CoordinatorSetup setup;
+  setup.description.learner_id = process::RandomId();
   setup.description.incarnation = start.checkpoint.incarnation;
   setup.description.run_name = options.run;
-  setup.description.engine = EngineName();
-  setup.description.build = BuildIdentity() + ", " + HostAndProcess();
+  setup.description.engine = process::EngineName();
+  setup.description.build = process::BuildIdentity() + ", " + HostAndProcess();
   setup.description.config = config.SerializeAsString();
   setup.rules.episodes_per_update =
       static_cast<std::uint64_t>(config.collection().episodes_per_update());
@@ -119,9 +120,9 @@ CoordinatorSetup SetupOf(const RunOptions& options, const RunStart& start) {
   setup.rules.first_version = start.checkpoint.state.version;
   setup.rules.updates_total = std::max(MostUpdates(config), setup.rules.first_version);
   setup.total_steps = config.total_steps();
-  setup.audit = {config.runtime().audit_share(), RandomId()};
+  setup.audit = {config.runtime().audit_share(), process::RandomId()};
   setup.status.task = config.environment().task();
-  setup.status.host = HostName();
+  setup.status.host = process::HostName();
   setup.status.pid = static_cast<std::uint32_t>(getpid());
   setup.status.length = LengthOf(config);
   setup.seconds_before = start.checkpoint.logs.wall_seconds;
@@ -145,9 +146,9 @@ CoordinatorSetup SetupOf(const RunOptions& options, const RunStart& start) {
   return setup;
 }
 
-ExcludedHosts ExcludedHostsOf(const std::string& folder) {
-  const std::string path = ExcludedHostsPathOf(folder);
-  ExcludedHosts hosts = LoadExcludedHosts(path);
+collect::trust::ExcludedHosts ExcludedHostsOf(const std::string& folder) {
+  const std::string path = collect::trust::ExcludedHostsPathOf(folder);
+  collect::trust::ExcludedHosts hosts = collect::trust::LoadExcludedHosts(path);
   for (const auto& [host, reason] : hosts) {
     spdlog::warn("{}; it stays excluded (to let it in, take it out of {} before the start)", reason,
                  path);
@@ -155,8 +156,8 @@ ExcludedHosts ExcludedHostsOf(const std::string& folder) {
   return hosts;
 }
 
-RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
-  RunFacts facts;
+record::RunFacts FactsOf(const RunOptions& options, const run::CoordinatorSetup& setup) {
+  record::RunFacts facts;
   facts.run = options.run;
   facts.path = options.folder;
   facts.incarnation = setup.description.incarnation;
@@ -164,8 +165,9 @@ RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
   facts.domain = options.config.runtime().domain();
   facts.transport = options.config.runtime().transport();
   facts.network = options.config.runtime().network();
-  facts.placements = FieldText(options.config.environment(),
-                               *EnvironmentConfig::descriptor()->FindFieldByName("placements"));
+  facts.placements =
+      config::FieldText(options.config.environment(),
+                        *EnvironmentConfig::descriptor()->FindFieldByName("placements"));
   facts.security = options.config.runtime().security();
   facts.discovery_server = options.config.runtime().discovery_server();
   return facts;
@@ -173,58 +175,60 @@ RunFacts FactsOf(const RunOptions& options, const CoordinatorSetup& setup) {
 
 int ThreadsOf(const RunConfig& config) {
   const int wanted = config.runtime().learner_threads();
-  if (wanted == 0) return UsableCpus();
-  if (const auto warning = TooManyThreads(wanted, "--threads")) spdlog::warn("{}", *warning);
+  if (wanted == 0) return process::UsableCpus();
+  if (const auto warning = process::TooManyThreads(wanted, "--threads"))
+    spdlog::warn("{}", *warning);
   return wanted;
 }
 
-std::unique_ptr<MetricsServer> MetricsServerOf(const RunConfig& config) {
+std::unique_ptr<watch::MetricsServer> MetricsServerOf(const RunConfig& config) {
   const std::string& address = config.runtime().metrics();
   if (address.empty()) return nullptr;
-  return std::make_unique<MetricsServer>(ParseListenAddress(address));
+  return std::make_unique<watch::MetricsServer>(text::ParseListenAddress(address));
 }
 
-int Serve(const RunOptions& options, const Algorithms& algorithms, StopTarget& target) {
-  const AlgorithmFactory& factory = FactoryOf(algorithms, options.config);
+int Serve(const RunOptions& options, const algorithm::Algorithms& algorithms, StopTarget& target) {
+  const algorithm::AlgorithmFactory& factory = algorithm::FactoryOf(algorithms, options.config);
   const BusOptions bus_options = BusOptionsOf(options);
-  CheckMachineOfLearner(bus_options);
-  RunFolder folder(options.folder);
+  dds::CheckMachineOfLearner(bus_options);
+  record::RunFolder folder(options.folder);
   const auto metrics = MetricsServerOf(options.config);  // a rival has the port, too
-  RunStart start = StartOf(options, factory);
-  const std::unique_ptr<Algorithm> algorithm =
-      AlgorithmOf(start, factory, {ThreadsOf(options.config), RandomId()});
+  run::RunStart start = run::StartOf(options, factory);
+  const std::unique_ptr<algorithm::Algorithm> algorithm =
+      run::AlgorithmOf(start, factory, {ThreadsOf(options.config), process::RandomId()});
   start.checkpoint.incarnation = folder.NextIncarnation(start.checkpoint.incarnation);
-  start.checkpoint.build = BuildIdentity();
-  CoordinatorSetup setup = SetupOf(options, start);
+  start.checkpoint.build = process::BuildIdentity();
+  run::CoordinatorSetup setup = SetupOf(options, start);
   setup.excluded = ExcludedHostsOf(options.folder);
   if (metrics) {
     setup.on_status = [&metrics](const LearnerStatus& status) { metrics->Show(status); };
   }
-  OutputThread output(STDOUT_FILENO);
-  FileRunRecord record(options.folder, std::move(start.checkpoint), algorithm->Metrics(),
-                       ProgressPrinter(options.progress, FactsOf(options, setup),
-                                       [&](std::string line) { output.Write(std::move(line)); }));
-  const auto bus = MakeDdsLearnerBus(bus_options);
-  BackgroundThread background("update");
-  Coordinator coordinator(setup, *bus, *algorithm, record, background);
+  process::OutputThread output(STDOUT_FILENO);
+  record::FileRunRecord record(
+      options.folder, std::move(start.checkpoint), algorithm->Metrics(),
+      record::ProgressPrinter(options.progress, FactsOf(options, setup),
+                              [&](std::string line) { output.Write(std::move(line)); }));
+  const auto bus = dds::MakeDdsLearnerBus(bus_options);
+  run::BackgroundThread background("update");
+  run::Coordinator coordinator(setup, *bus, *algorithm, record, background);
   target.Set(&coordinator);
-  const auto clear = [&target](Coordinator*) { target.Set(nullptr); };
-  const std::unique_ptr<Coordinator, decltype(clear)> set(&coordinator, clear);
+  const auto clear = [&target](run::Coordinator*) { target.Set(nullptr); };
+  const std::unique_ptr<run::Coordinator, decltype(clear)> set(&coordinator, clear);
   const int status = CodeOfServing([&coordinator] { return coordinator.Run(); });
-  spdlog::info("{}", CpuTimes::OfProcess().Report());
+  spdlog::info("{}", process::CpuTimes::OfProcess().Report());
   return status;
 }
 
 }  // namespace
 
-int ServeRun(const RunOptions& options, const Algorithms& algorithms) {
-  SetUpLogging("learner", options.log);
+int ServeRun(const RunOptions& options, const algorithm::Algorithms& algorithms) {
+  process::SetUpLogging("learner", options.log);
   for (const std::string& warning : options.warnings) spdlog::warn("{}", warning);
-  IgnoreLostReaders();
+  process::IgnoreLostReaders();
   StopTarget target;
   // Before the bus and the trainer, whose threads must inherit the blocked signals.
-  const SignalWatch signals([&target](int signal) { target.Signal(signal); });
+  const process::SignalWatch signals([&target](int signal) { target.Signal(signal); });
   return CodeOfStart([&] { return Serve(options, algorithms, target); });
 }
 
-}  // namespace metronome
+}  // namespace metronome::learner

@@ -11,7 +11,7 @@
 #include "common/process/logging.h"
 #include "learner/watch/follow.h"
 
-namespace metronome {
+namespace metronome::learner {
 namespace {
 
 BusOptions BusOptionsOf(const StatusOptions& options) {
@@ -27,11 +27,11 @@ BusOptions BusOptionsOf(const StatusOptions& options) {
 }
 
 int Watch(const StatusOptions& options) {
-  const auto bus = MakeDdsObserverBus(BusOptionsOf(options));
+  const auto bus = dds::MakeDdsObserverBus(BusOptionsOf(options));
   const auto wait = std::chrono::duration_cast<Clock::duration>(
       std::chrono::duration<double>(options.wait_seconds));
   const auto ending =
-      ShowLearner(*bus, Clock::now() + wait, {options.json, options.follow}, std::cout);
+      watch::ShowLearner(*bus, Clock::now() + wait, {options.json, options.follow}, std::cout);
   if (ending) return *ending;
   spdlog::error(
       "no learner of run {} is heard within {} s (domain {}, network {}): is it running, and "
@@ -39,22 +39,22 @@ int Watch(const StatusOptions& options) {
       "--security the same there? On another machine it must not have been started with "
       "--network loopback",
       options.run, options.wait_seconds, options.domain, options.network);
-  return kExitNoLearner;
+  return process::kExitNoLearner;
 }
 
 }  // namespace
 
 int WatchRun(const StatusOptions& options) {
-  SetUpLogging("status", {});
+  process::SetUpLogging("status", {});
   try {
     return Watch(options);
   } catch (const std::invalid_argument& error) {
     spdlog::error("{}", error.what());
-    return kExitUsage;
+    return process::kExitUsage;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
-    return kExitFailure;
+    return process::kExitFailure;
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::learner

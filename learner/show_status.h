@@ -2,10 +2,10 @@
 
 #include "learner/options.h"
 
-namespace metronome {
+namespace metronome::learner {
 
-/// `status`: shows the newest learner of a run, over DDS alone. @return an ExitCode; kExitNoLearner
-/// if none of that run is heard in time.
+/// `status`: shows the newest learner of a run, over DDS alone. @return an ExitCode;
+/// process::kExitNoLearner if none of that run is heard in time.
 int WatchRun(const StatusOptions& options);
 
-}  // namespace metronome
+}  // namespace metronome::learner

@@ -8,7 +8,7 @@
 #include "common/config/config.h"
 #include "common/policy/snapshot.h"
 
-namespace metronome {
+namespace metronome::client {
 namespace {
 
 constexpr std::chrono::milliseconds kCloseTimeout{2000};
@@ -48,8 +48,8 @@ bool SameStart(const RunDescription& a, const RunDescription& b) {
 std::optional<std::string> ParseRunConfig(const std::string& bytes, RunConfig* config) {
   if (!config->ParseFromString(bytes)) return "it does not parse";
   try {
-    Validate(*config);
-  } catch (const ConfigError& error) {
+    config::Validate(*config);
+  } catch (const config::ConfigError& error) {
     return error.what();
   }
   return std::nullopt;
@@ -228,7 +228,7 @@ void ActorClient::QueueReady() {
   if (!workers_) return;
   std::vector<EpisodeTask> tasks = book_.TakeReady();
   std::erase_if(tasks, [this](const EpisodeTask& task) {
-    const auto defect = SnapshotDefect(*task.snapshot, config_);
+    const auto defect = policy::SnapshotDefect(*task.snapshot, config_);
     if (!defect) return false;
     spdlog::warn("dropped the order of episode {}: snapshot {} cannot be acted with: {}",
                  task.number, task.snapshot->version, *defect);
@@ -325,4 +325,4 @@ Clock::time_point ActorClient::NextTick() const {
   return options_.patience ? std::min(next, *waiting_since_ + *options_.patience) : next;
 }
 
-}  // namespace metronome
+}  // namespace metronome::client

@@ -14,7 +14,7 @@
 #include "actor/client/worker_pool.h"
 #include "common/messages/bus.h"
 
-namespace metronome {
+namespace metronome::client {
 
 struct ActorClientOptions {
   std::string run_name;
@@ -107,4 +107,4 @@ class ActorClient {
   std::unique_ptr<WorkerPool> workers_;  // of obeyed_
 };
 
-}  // namespace metronome
+}  // namespace metronome::client

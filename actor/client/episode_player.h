@@ -12,7 +12,7 @@
 #include "common/messages/messages.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::client {
 
 /// A machine that plays episodes of one run, one at a time. Not thread-safe; may be handed from
 /// thread to thread.
@@ -35,4 +35,4 @@ struct RunSetup {
 /// throws.
 using SetUpRun = std::function<RunSetup(const RunConfig& config, int slots)>;
 
-}  // namespace metronome
+}  // namespace metronome::client

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace metronome {
+namespace metronome::client {
 namespace {
 
 // An order is for the newest weights or, with overlap 1, for those before: collection.overlap is 0
@@ -78,4 +78,4 @@ std::vector<EpisodeTask> OrderBook::TakeReady() {
   return tasks;
 }
 
-}  // namespace metronome
+}  // namespace metronome::client

@@ -9,7 +9,7 @@
 
 #include "common/messages/messages.h"
 
-namespace metronome {
+namespace metronome::client {
 
 /// One episode to play.
 struct EpisodeTask {
@@ -55,4 +55,4 @@ class OrderBook {
   std::size_t held_numbers_ = 0;
 };
 
-}  // namespace metronome
+}  // namespace metronome::client

@@ -5,14 +5,14 @@
 #include "common/process/cpu_times.h"
 #include "common/process/start_threads.h"
 
-namespace metronome {
+namespace metronome::client {
 
 WorkerPool::WorkerPool(std::vector<std::unique_ptr<EpisodePlayer>> players, Deliver deliver,
                        std::function<void()> on_failure)
     : deliver_(std::move(deliver)),
       on_failure_(std::move(on_failure)),
       players_(std::move(players)) {
-  threads_ = StartThreads(
+  threads_ = process::StartThreads(
       players_.size(), [this](std::size_t slot) { Work(*players_[slot]); }, [this] { Cancel(); },
       "--envs");
 }
@@ -71,9 +71,9 @@ bool WorkerPool::PlayNext(EpisodePlayer& player) {
   auto episode = player.Play(*task.snapshot, task.number, cancelled_);
   if (!episode) return false;
   steps_ += static_cast<std::uint64_t>(episode->length());
-  const CpuTimer timer(CpuUse::kSend);
+  const process::CpuTimer timer(process::CpuUse::kSend);
   deliver_(*std::move(episode));
   return true;
 }
 
-}  // namespace metronome
+}  // namespace metronome::client

@@ -14,7 +14,7 @@
 #include "actor/client/episode_player.h"
 #include "actor/client/order_book.h"
 
-namespace metronome {
+namespace metronome::client {
 
 /// One thread a player, and the queue of episodes that they share. Thread-safe.
 class WorkerPool {
@@ -56,4 +56,4 @@ class WorkerPool {
   std::vector<std::thread> threads_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::client

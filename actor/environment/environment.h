@@ -4,7 +4,7 @@
 
 #include "actor/environment/episode_start.h"
 
-namespace metronome {
+namespace metronome::environment {
 
 class MujocoView;
 
@@ -34,4 +34,4 @@ class Environment {
   [[nodiscard]] virtual const MujocoView* mujoco() const { return nullptr; }
 };
 
-}  // namespace metronome
+}  // namespace metronome::environment

@@ -6,21 +6,23 @@
 #include "common/numbers/random.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::environment {
 
 /// Where an episode starts, and all that is random about it.
 struct EpisodeStart {
-  explicit EpisodeStart(const EpisodeKey& episode)
-      : key(episode), random(episode.purpose, episode.seed, episode.number, kPlacementDraw) {}
+  explicit EpisodeStart(const numbers::EpisodeKey& episode)
+      : key(episode),
+        random(episode.purpose, episode.seed, episode.number, numbers::kPlacementDraw) {}
 
-  EpisodeKey key;
-  RandomStream random;  // the episode's own; what is drawn from it is drawn alike everywhere
+  numbers::EpisodeKey key;
+  numbers::RandomStream
+      random;  // the episode's own; what is drawn from it is drawn alike everywhere
 };
 
 /// Of episode `number` of a training run. With fixed placements all start as number 0 does.
 inline EpisodeStart TrainingStart(const RunConfig& config, std::uint64_t number) {
   const bool fixed = config.environment().placements() == PLACEMENTS_FIXED;
-  return EpisodeStart({RandomPurpose::kTrain, config.seed(), fixed ? 0 : number});
+  return EpisodeStart({numbers::RandomPurpose::kTrain, config.seed(), fixed ? 0 : number});
 }
 
-}  // namespace metronome
+}  // namespace metronome::environment

@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace metronome {
+namespace metronome::environment {
 
 /// What a picture's path follows. The positions are in metres.
 struct Landmarks {
@@ -32,4 +32,4 @@ class MujocoView {
   [[nodiscard]] virtual double steps_per_second() const = 0;  // in real time
 };
 
-}  // namespace metronome
+}  // namespace metronome::environment

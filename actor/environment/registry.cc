@@ -7,7 +7,7 @@
 
 #include "common/text/near_miss.h"
 
-namespace metronome {
+namespace metronome::environment {
 namespace {
 
 std::vector<std::string> NamesOf(const EnvironmentEntry& entry) {
@@ -45,9 +45,9 @@ const EnvironmentEntry& EnvironmentRegistry::Find(const std::string& name) const
     known.push_back(entry.spec.short_name());
     for (const std::string& spelling : NamesOf(entry)) spellings.push_back(spelling);
   }
-  auto near = NearMiss(name, known);
-  if (!near) near = NearMiss(name, spellings);
-  throw std::invalid_argument(UnknownName("environment", name, known, near));
+  auto near = text::NearMiss(name, known);
+  if (!near) near = text::NearMiss(name, spellings);
+  throw std::invalid_argument(text::UnknownName("environment", name, known, near));
 }
 
 std::unique_ptr<Environment> EnvironmentRegistry::Make(const EnvironmentConfig& config) const {
@@ -65,4 +65,4 @@ void EnvironmentRegistry::RequireMachine() const {
   if (require_machine_) require_machine_();
 }
 
-}  // namespace metronome
+}  // namespace metronome::environment

@@ -10,7 +10,7 @@
 #include "actor/environment/environment.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::environment {
 
 /// An environment that a program can play: a row of its table.
 struct EnvironmentEntry {
@@ -50,4 +50,4 @@ class EnvironmentRegistry {
   std::function<void()> require_machine_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::environment

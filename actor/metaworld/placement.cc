@@ -38,7 +38,7 @@ class LegacyNumpyUniform {
 
 }  // namespace
 
-RandVec DrawPlacement(const TaskSpec& task, RandomStream& stream) {
+RandVec DrawPlacement(const TaskSpec& task, numbers::RandomStream& stream) {
   auto uniform = [&stream] { return stream.Uniform(); };
   return Draw(task, uniform);
 }
@@ -53,11 +53,12 @@ std::vector<RandVec> Mt1Placements(const TaskSpec& task, std::uint32_t seed) {
   return placements;
 }
 
-RandVec StartPlacement(const TaskSpec& task, Placements placements, EpisodeStart& start) {
+RandVec StartPlacement(const TaskSpec& task, Placements placements,
+                       environment::EpisodeStart& start) {
   if (placements != PLACEMENTS_MT1) return DrawPlacement(task, start.random);
   const std::vector<RandVec> official =
       Mt1Placements(task, static_cast<std::uint32_t>(start.key.seed));
-  return official.at(start.key.purpose == RandomPurpose::kTrain
+  return official.at(start.key.purpose == numbers::RandomPurpose::kTrain
                          ? start.random.Below(official.size())
                          : start.key.number % official.size());
 }

@@ -16,7 +16,7 @@ inline constexpr int kMt1Placements = 50;
 
 /// One placement, uniform over the task's box; too short distances are drawn again (spec
 /// section 4), from the same stream.
-RandVec DrawPlacement(const TaskSpec& task, RandomStream& stream);
+RandVec DrawPlacement(const TaskSpec& task, numbers::RandomStream& stream);
 
 /// The 50 placements of the official MT1 benchmark for `seed`, number for number. The official
 /// package draws them with numpy's legacy generator: two draws (each with rejection) a reset, of
@@ -25,6 +25,7 @@ std::vector<RandVec> Mt1Placements(const TaskSpec& task, std::uint32_t seed);
 
 /// The placement that an episode starts at. With PLACEMENTS_MT1 one of the official 50 of the key's
 /// seed: of a training episode drawn, of evaluations one after the other.
-RandVec StartPlacement(const TaskSpec& task, Placements placements, EpisodeStart& start);
+RandVec StartPlacement(const TaskSpec& task, Placements placements,
+                       environment::EpisodeStart& start);
 
 }  // namespace metronome::metaworld

@@ -38,8 +38,8 @@ bool Inside(const RandVec& p, const RandVec& low, const RandVec& high) {
 
 SawyerEnvironment::SawyerEnvironment(const TaskSpec& task, const EnvironmentOptions& options,
                                      const HandSettings& hand)
-    : scene_(
-          Scene::Load(options.assets.empty() ? DefaultAssetsPath() : options.assets, task.scene)),
+    : scene_(engine::Scene::Load(options.assets.empty() ? DefaultAssetsPath() : options.assets,
+                                 task.scene)),
       model_(scene_->CopyModel()),
       data_(scene_->MakeData()),
       task_(task),
@@ -61,7 +61,7 @@ Observation SawyerEnvironment::Reset(const RandVec& placement) {
   if (!hand_settings_.settles_alike || !Inside(placement, task_.low, task_.high))
     return ResetAfresh(placement);
   const mjData& settled = scene_->Settled([this](const mjModel& model, mjData& data) {
-    ControlStepper stepper(model);
+    engine::ControlStepper stepper(model);
     InitialiseHand(stepper, model, data);
   });
   mj_copyData(data_.get(), model_.get(), &settled);
@@ -74,7 +74,7 @@ Observation SawyerEnvironment::ResetAfresh(const RandVec& placement) {
   return FinishReset(placement);
 }
 
-void SawyerEnvironment::InitialiseHand(ControlStepper& stepper, const mjModel& model,
+void SawyerEnvironment::InitialiseHand(engine::ControlStepper& stepper, const mjModel& model,
                                        mjData& data) const {
   mj_resetData(&model, &data);
   stepper.Begin(data);
@@ -83,7 +83,7 @@ void SawyerEnvironment::InitialiseHand(ControlStepper& stepper, const mjModel& m
     std::copy(kMocapQuaternion.begin(), kMocapQuaternion.end(), data.mocap_quat + 4 * mocap_);
     data.ctrl[0] = -1;
     data.ctrl[1] = 1;
-    stepper.Steps(data, kPhysicsSteps);
+    stepper.Steps(data, engine::kPhysicsSteps);
   }
 }
 
@@ -123,7 +123,7 @@ void SawyerEnvironment::MoveMocap(const Action& action) {
   std::copy(kMocapQuaternion.begin(), kMocapQuaternion.end(), data_->mocap_quat + 4 * mocap_);
 }
 
-void SawyerEnvironment::Substeps() { stepper_.Steps(*data_, kPhysicsSteps); }
+void SawyerEnvironment::Substeps() { stepper_.Steps(*data_, engine::kPhysicsSteps); }
 
 StepResult SawyerEnvironment::Conclude(const Action& action) {
   StepResult result;

@@ -116,9 +116,9 @@ class SawyerEnvironment {
     return Eigen::Map<const Eigen::Vector3d>(numbers + 3 * index);
   }
 
-  const std::shared_ptr<Scene> scene_;
-  const ModelPtr model_;
-  const DataPtr data_;
+  const std::shared_ptr<engine::Scene> scene_;
+  const engine::ModelPtr model_;
+  const engine::DataPtr data_;
   Eigen::Vector3d target_ = Eigen::Vector3d::Zero();       // goal position
   Eigen::Vector3d object_init_ = Eigen::Vector3d::Zero();  // object's place after reset
   Eigen::Vector3d tcp_init_ = Eigen::Vector3d::Zero();     // finger tips after hand initialisation
@@ -127,7 +127,7 @@ class SawyerEnvironment {
   using Frame = std::array<double, kFrameSize>;
 
   [[nodiscard]] int Find(mjtObj type, const char* name) const;
-  void InitialiseHand(ControlStepper& stepper, const mjModel& model, mjData& data) const;
+  void InitialiseHand(engine::ControlStepper& stepper, const mjModel& model, mjData& data) const;
   Observation FinishReset(const RandVec& placement);
   [[nodiscard]] Frame CurrentFrame() const;
   Observation Observe(const Frame& previous) const;
@@ -138,7 +138,7 @@ class SawyerEnvironment {
   const TaskSpec& task_;
   const EnvironmentOptions options_;
   const HandSettings hand_settings_;
-  ControlStepper stepper_;
+  engine::ControlStepper stepper_;
   int mocap_ = 0;
   int hand_, right_claw_, left_claw_, right_pad_, left_pad_;  // bodies
   int right_tip_, left_tip_;                                  // sites

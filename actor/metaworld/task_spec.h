@@ -19,7 +19,7 @@ struct TaskSpec {
   /// A placement whose planar distance between object and goal is below this is drawn again,
   /// metres; 0: every placement is taken.
   double min_planar_distance;
-  CameraView view;  // of pictures: shows arm, object and goal
+  environment::CameraView view;  // of pictures: shows arm, object and goal
   std::unique_ptr<SawyerEnvironment> (*make)(const TaskSpec&, const EnvironmentOptions&);
 };
 

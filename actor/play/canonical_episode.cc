@@ -14,7 +14,7 @@
 #include "common/policy/network.h"
 #include "common/policy/policy.h"
 
-namespace metronome {
+namespace metronome::play {
 namespace {
 
 constexpr int kSteps = 100;
@@ -55,7 +55,7 @@ class Digest {
 };
 
 void AddElementary(Digest& digest) {
-  RandomStream stream(RandomPurpose::kEvaluate, kSeed, kNumber, 1);
+  numbers::RandomStream stream(numbers::RandomPurpose::kEvaluate, kSeed, kNumber, 1);
   for (int i = 0; i < kElementaryInputs; ++i) {
     const double x = 10 * (2 * stream.Uniform() - 1);
     for (const double y : {std::exp(x), std::log(std::abs(x)), std::sin(x), std::cos(x),
@@ -67,7 +67,7 @@ void AddElementary(Digest& digest) {
   }
 }
 
-void AddEpisode(Digest& digest, const EnvironmentRegistry& registry,
+void AddEpisode(Digest& digest, const environment::EnvironmentRegistry& registry,
                 const EnvironmentConfig& config) {
   const EnvironmentSpec& spec = config.spec();
   const auto environment = registry.Make(config);
@@ -76,7 +76,7 @@ void AddEpisode(Digest& digest, const EnvironmentRegistry& registry,
   const auto add_observation = [&] {
     for (const float number : observation) digest.Add(number);
   };
-  EpisodeStart start({RandomPurpose::kEvaluate, kSeed, kNumber});
+  environment::EpisodeStart start({numbers::RandomPurpose::kEvaluate, kSeed, kNumber});
   const auto reset = [&] {
     environment->Reset(start, observation);
     add_observation();
@@ -88,14 +88,14 @@ void AddEpisode(Digest& digest, const EnvironmentRegistry& registry,
       action[std::size_t(i)] =
           static_cast<float>(low + (spec.action_high(i) - low) * start.random.Uniform());
     }
-    const StepOutcome step = environment->Step(action, observation);
+    const environment::StepOutcome step = environment->Step(action, observation);
     add_observation();
     digest.Add(static_cast<float>(step.reward));
     if (step.terminated || step.truncated) reset();
   }
 }
 
-std::string EnvironmentDigest(const EnvironmentRegistry& registry,
+std::string EnvironmentDigest(const environment::EnvironmentRegistry& registry,
                               const EnvironmentConfig& config) {
   Digest digest;
   AddElementary(digest);
@@ -115,31 +115,31 @@ RunConfig PolicyConfiguration(const EnvironmentConfig& environment) {
   policy.add_hidden(128);
   policy.set_observation_clip(10);
   policy.set_schedule(SCHEDULE_BLOCKS);
-  return Resolve(config);
+  return config::Resolve(config);
 }
 
 std::string PolicyDigest(const EnvironmentConfig& environment) {
   const RunConfig config = PolicyConfiguration(environment);
-  const NetworkShape shape = ShapeOf(config);
+  const policy::NetworkShape shape = policy::ShapeOf(config);
   const auto observations = std::size_t(shape.observation);
-  RandomStream stream(RandomPurpose::kEvaluate, kSeed, kNumber, 2);
+  numbers::RandomStream stream(numbers::RandomPurpose::kEvaluate, kSeed, kNumber, 2);
   const auto uniform = [&stream](std::size_t count, double bound) {
     std::vector<float> numbers(count);
     for (float& number : numbers) number = float(bound * (2 * stream.Uniform() - 1));
     return numbers;
   };
   PolicySnapshot snapshot;
-  snapshot.parameters = uniform(ActorLayout(shape).size, 0.25);
+  snapshot.parameters = uniform(policy::ActorLayout(shape).size, 0.25);
   snapshot.observation_mean = uniform(observations, 1);
   snapshot.observation_inv_std = uniform(observations, 4);
-  Policy policy(config, snapshot);
-  const HeadSchedule schedule(config, TrainingEpisode(config, 0));
+  policy::Policy policy(config, snapshot);
+  const policy::HeadSchedule schedule(config, policy::TrainingEpisode(config, 0));
   Digest digest;
   for (std::int32_t t = 0; t < kSteps; ++t) {
     const std::vector<float> observation = uniform(observations, 2);
-    Policy::Action noise{};
+    policy::Policy::Action noise{};
     for (std::int32_t i = 0; i < shape.action; ++i) noise[i] = float(stream.Normal());
-    const Policy::Decision decision = policy.Act(schedule, observation.data(), t, noise);
+    const policy::Policy::Decision decision = policy.Act(schedule, observation.data(), t, noise);
     for (const auto& numbers : {decision.mean, decision.action}) {
       for (std::int32_t i = 0; i < shape.action; ++i) digest.Add(numbers[i]);
     }
@@ -150,11 +150,12 @@ std::string PolicyDigest(const EnvironmentConfig& environment) {
 
 }  // namespace
 
-std::string CanonicalDigest(const EnvironmentRegistry& registry, const std::string& task) {
+std::string CanonicalDigest(const environment::EnvironmentRegistry& registry,
+                            const std::string& task) {
   EnvironmentConfig config;  // its defaults: random placements, the goal visible
   *config.mutable_spec() = registry.Describe(task);
   config.set_task(config.spec().short_name());
   return EnvironmentDigest(registry, config) + PolicyDigest(config);
 }
 
-}  // namespace metronome
+}  // namespace metronome::play

@@ -4,7 +4,7 @@
 
 #include "actor/environment/registry.h"
 
-namespace metronome {
+namespace metronome::play {
 
 /// What two hosts must agree on bit for bit to play the same episodes, as two hex SHA-256 one after
 /// the other:
@@ -17,6 +17,7 @@ namespace metronome {
 /// A pure function of the task, the engine, the build and the processor. About 0.1 s, and the
 /// scene's loading time.
 /// @throws as EnvironmentRegistry::Make.
-std::string CanonicalDigest(const EnvironmentRegistry& registry, const std::string& task);
+std::string CanonicalDigest(const environment::EnvironmentRegistry& registry,
+                            const std::string& task);
 
-}  // namespace metronome
+}  // namespace metronome::play

@@ -5,33 +5,33 @@
 #include "common/policy/task_of.h"
 #include "common/process/cpu_times.h"
 
-namespace metronome {
+namespace metronome::play {
 namespace {
 
-class EnvironmentPlayer final : public EpisodePlayer {
+class EnvironmentPlayer final : public client::EpisodePlayer {
  public:
-  EnvironmentPlayer(const EnvironmentRegistry& registry, const RunConfig& config)
+  EnvironmentPlayer(const environment::EnvironmentRegistry& registry, const RunConfig& config)
       : config_(config) {
     environments_.push_back(registry.Make(config.environment()));
   }
 
   std::optional<Episode> Play(const PolicySnapshot& snapshot, std::uint64_t number,
                               const std::atomic<bool>& cancel) override {
-    return PlayEpisode(config_, snapshot, number, *environments_.at(TaskOf(config_, number)),
-                       cancel);
+    return PlayEpisode(config_, snapshot, number,
+                       *environments_.at(policy::TaskOf(config_, number)), cancel);
   }
 
  private:
   const RunConfig config_;
-  std::vector<std::unique_ptr<Environment>> environments_;  // by TaskOf
+  std::vector<std::unique_ptr<environment::Environment>> environments_;  // by TaskOf
 };
 
 }  // namespace
 
-SetUpRun SetUpWith(const EnvironmentRegistry& registry) {
+client::SetUpRun SetUpWith(const environment::EnvironmentRegistry& registry) {
   return [&registry](const RunConfig& config, int slots) {
-    const CpuTimer timer(CpuUse::kSetUp);
-    RunSetup setup;
+    const process::CpuTimer timer(process::CpuUse::kSetUp);
+    client::RunSetup setup;
     for (int slot = 0; slot < slots; ++slot) {
       setup.players.push_back(std::make_unique<EnvironmentPlayer>(registry, config));
     }
@@ -40,4 +40,4 @@ SetUpRun SetUpWith(const EnvironmentRegistry& registry) {
   };
 }
 
-}  // namespace metronome
+}  // namespace metronome::play

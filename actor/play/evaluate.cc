@@ -18,7 +18,7 @@
 #include "common/process/start_threads.h"
 #include "common/text/near_miss.h"
 
-namespace metronome {
+namespace metronome::play {
 namespace {
 
 constexpr std::int32_t kEpisodes = 50;
@@ -49,35 +49,37 @@ void Summarise(Evaluation& evaluation) {
 }
 
 std::int32_t EpisodesOf(const EvaluateOptions& options, const RunConfig& config,
-                        const EnvironmentRegistry& registry) {
+                        const environment::EnvironmentRegistry& registry) {
   return options.episodes.value_or(
       std::min(kEpisodes, DifferentEpisodes(options, config, registry).value_or(kEpisodes)));
 }
 
 std::int32_t ThreadsFor(const EvaluateOptions& options, std::size_t episodes) {
-  return std::min(options.threads > 0 ? options.threads : UsableCpus(),
+  return std::min(options.threads > 0 ? options.threads : process::UsableCpus(),
                   static_cast<std::int32_t>(episodes));
 }
 
 // Shares the episodes out over threads; each result goes to its own place. What would be the same
 // again is not played again.
 Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
-                   const PolicySnapshot& snapshot, const EnvironmentRegistry& registry) {
+                   const PolicySnapshot& snapshot,
+                   const environment::EnvironmentRegistry& registry) {
   const std::int32_t asked = EpisodesOf(options, config, registry);
   const std::int32_t different = DifferentEpisodes(options, config, registry).value_or(asked);
   Evaluation evaluation;
   evaluation.episodes.resize(static_cast<std::size_t>(std::min(asked, different)));
-  const auto make_worker = [&]() -> Worker {
-    const std::shared_ptr<Environment> environment = registry.Make(config.environment());
+  const auto make_worker = [&]() -> process::Worker {
+    const std::shared_ptr<environment::Environment> environment =
+        registry.Make(config.environment());
     return [&, environment](std::size_t i) {
       evaluation.episodes[i] =
           PlayDeterministic(config, snapshot, EvaluationSchedule(options, config, i),
                             EvaluationStart(options, config, i), *environment);
     };
   };
-  ShareOut(evaluation.episodes.size(),
-           static_cast<std::size_t>(ThreadsFor(options, evaluation.episodes.size())), make_worker,
-           "--threads");
+  process::ShareOut(evaluation.episodes.size(),
+                    static_cast<std::size_t>(ThreadsFor(options, evaluation.episodes.size())),
+                    make_worker, "--threads");
   for (std::int32_t i = different; i < asked; ++i) {
     evaluation.episodes.push_back(evaluation.episodes[static_cast<std::size_t>(i - different)]);
   }
@@ -96,7 +98,7 @@ void RequireOrderFits(const EvaluateOptions& options, const RunConfig& config) {
 
 // The interval counts episodes as if they all differed.
 void WarnOfRepeats(const EvaluateOptions& options, const RunConfig& config,
-                   const EnvironmentRegistry& registry, std::ostream& err) {
+                   const environment::EnvironmentRegistry& registry, std::ostream& err) {
   const std::int32_t asked = EpisodesOf(options, config, registry);
   const std::int32_t different = DifferentEpisodes(options, config, registry).value_or(asked);
   if (asked <= different) return;
@@ -107,7 +109,7 @@ void WarnOfRepeats(const EvaluateOptions& options, const RunConfig& config,
 
 /// What was done, and how.
 struct Report {
-  const Checkpoint& checkpoint;
+  const checkpoint::Checkpoint& checkpoint;
   const EvaluateOptions& options;
   const RunConfig& config;  // of the evaluation
   std::vector<std::string> differences;
@@ -137,7 +139,7 @@ void PrintJson(const Evaluation& evaluation, const Report& report, std::ostream&
   json["time_to_success"] = nullptr;
   if (evaluation.time_to_success) json["time_to_success"] = *evaluation.time_to_success;
   json["engine_trained"] = report.checkpoint.engine;
-  json["engine_used"] = EngineName();
+  json["engine_used"] = process::EngineName();
   json["differences"] = report.differences;
   out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
 }
@@ -150,8 +152,8 @@ void PrintText(const Evaluation& evaluation, const Report& report, std::ostream&
       << (episodes == 1 ? " episode" : " episodes") << " of "
       << (environment.spec().may_end_early() ? "at most " : "") << environment.horizon()
       << " steps, placements " << report.options.placements << ", goal "
-      << (environment.goal_visible() ? "visible" : "hidden") << ", mean action, " << EngineName()
-      << '\n';
+      << (environment.goal_visible() ? "visible" : "hidden") << ", mean action, "
+      << process::EngineName() << '\n';
   if (!report.options.head_order.empty()) {
     out << "heads by block";
     for (const std::uint32_t head : report.options.head_order) out << ' ' << head;
@@ -178,24 +180,25 @@ void RequireValid(const EvaluateOptions& options) {
     throw std::invalid_argument("--episodes must be at least 1, not " +
                                 std::to_string(*options.episodes));
   }
-  const std::vector<std::string> known = EnumWords(*Placements_descriptor());
+  const std::vector<std::string> known = config::EnumWords(*Placements_descriptor());
   if (std::find(known.begin(), known.end(), options.placements) == known.end()) {
-    throw std::invalid_argument(UnknownName("--placements", options.placements, known));
+    throw std::invalid_argument(text::UnknownName("--placements", options.placements, known));
   }
   if (options.placements == "mt1" && options.seed > 0xffffffffULL) {
     throw std::invalid_argument("--seed of mt1 placements must be below 2^32");
   }
 }
 
-RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const EvaluateOptions& options,
-                           const EnvironmentRegistry& registry) {
+RunConfig ConfigToEvaluate(const checkpoint::Checkpoint& checkpoint, const EvaluateOptions& options,
+                           const environment::EnvironmentRegistry& registry) {
   RunConfig config = checkpoint.config;
-  SetField(config, "environment.placements", options.placements);
+  config::SetField(config, "environment.placements", options.placements);
   if (options.task.empty()) return config;
   EnvironmentConfig& environment = *config.mutable_environment();
   *environment.mutable_spec() = registry.Describe(options.task);
   environment.set_task(environment.spec().short_name());
-  const NetworkShape theirs = ShapeOf(checkpoint.config), ours = ShapeOf(config);
+  const policy::NetworkShape theirs = policy::ShapeOf(checkpoint.config),
+                             ours = policy::ShapeOf(config);
   if (theirs.observation != ours.observation || theirs.action != ours.action) {
     throw std::invalid_argument(
         "--task " + options.task + " has observations of " + std::to_string(ours.observation) +
@@ -222,15 +225,16 @@ void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, do
   high = std::min(1.0, centre + half);
 }
 
-EpisodeStart EvaluationStart(const EvaluateOptions& options, const RunConfig& config,
-                             std::uint64_t index) {
-  if (config.environment().placements() == PLACEMENTS_FIXED) return TrainingStart(config, 0);
-  return EpisodeStart({RandomPurpose::kEvaluate, options.seed, index});
+environment::EpisodeStart EvaluationStart(const EvaluateOptions& options, const RunConfig& config,
+                                          std::uint64_t index) {
+  if (config.environment().placements() == PLACEMENTS_FIXED)
+    return environment::TrainingStart(config, 0);
+  return environment::EpisodeStart({numbers::RandomPurpose::kEvaluate, options.seed, index});
 }
 
 std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
                                               const RunConfig& config,
-                                              const EnvironmentRegistry& registry) {
+                                              const environment::EnvironmentRegistry& registry) {
   const PolicyConfig& policy = config.policy();
   if (policy.schedule() == SCHEDULE_SHUFFLED && policy.heads() > 1 && options.head_order.empty()) {
     return std::nullopt;
@@ -240,24 +244,27 @@ std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
   return different_starts ? different_starts(config.environment()) : std::nullopt;
 }
 
-HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
-                                std::uint64_t index) {
+policy::HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
+                                        std::uint64_t index) {
   if (!options.head_order.empty()) return {config, options.head_order};
-  return {config, EpisodeKey{RandomPurpose::kEvaluate, options.seed, index}};
+  return {config, numbers::EpisodeKey{numbers::RandomPurpose::kEvaluate, options.seed, index}};
 }
 
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
-                                   const HeadSchedule& schedule, EpisodeStart start,
-                                   Environment& environment, const StepWatcher& watch) {
-  Policy policy(config, snapshot);
+                                   const policy::HeadSchedule& schedule,
+                                   environment::EpisodeStart start,
+                                   environment::Environment& environment,
+                                   const StepWatcher& watch) {
+  policy::Policy policy(config, snapshot);
   EvaluatedEpisode result;
   std::vector<float> observation(std::size_t(config.environment().spec().observation_size()));
   const auto actions = std::size_t(config.environment().spec().action_size());
   environment.Reset(start, observation);
   if (watch) watch(0, {});
   for (bool ended = false; !ended;) {
-    const Policy::Action action = policy.Mean(schedule, observation.data(), result.length);
-    const StepOutcome step = environment.Step(std::span(action).first(actions), observation);
+    const policy::Policy::Action action = policy.Mean(schedule, observation.data(), result.length);
+    const environment::StepOutcome step =
+        environment.Step(std::span(action).first(actions), observation);
     ++result.length;
     if (watch) watch(result.length, step);
     result.episode_return += step.reward;
@@ -269,15 +276,15 @@ EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot
   return result;
 }
 
-int RunEvaluate(const EvaluateOptions& options, const EnvironmentRegistry& registry,
+int RunEvaluate(const EvaluateOptions& options, const environment::EnvironmentRegistry& registry,
                 std::ostream& out, std::ostream& err) {
   try {
     RequireValid(options);
-    const Checkpoint checkpoint = LoadCheckpoint(
+    const checkpoint::Checkpoint checkpoint = checkpoint::LoadCheckpoint(
         options.checkpoint, [&registry](const auto& name) { return registry.Describe(name); });
     const RunConfig config = ConfigToEvaluate(checkpoint, options, registry);
     RequireOrderFits(options, config);
-    if (const auto many = TooManyThreads(options.threads, "--threads")) {
+    if (const auto many = process::TooManyThreads(options.threads, "--threads")) {
       err << "warning: " << *many << '\n';
     }
     const Report report{checkpoint, options, config,
@@ -302,4 +309,4 @@ int RunEvaluate(const EvaluateOptions& options, const EnvironmentRegistry& regis
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::play

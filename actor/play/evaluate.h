@@ -13,7 +13,7 @@
 #include "common/policy/head_schedule.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::play {
 
 struct EvaluateOptions {
   std::string checkpoint;
@@ -53,8 +53,8 @@ void RequireValid(const EvaluateOptions& options);
 /// The configuration that evaluation episodes are played with: the checkpoint's, with the task and
 /// the placements of `options`. @throws std::invalid_argument for an unknown task, and for one
 /// whose observations or actions are of another size than the policy's.
-RunConfig ConfigToEvaluate(const Checkpoint& checkpoint, const EvaluateOptions& options,
-                           const EnvironmentRegistry& registry);
+RunConfig ConfigToEvaluate(const checkpoint::Checkpoint& checkpoint, const EvaluateOptions& options,
+                           const environment::EnvironmentRegistry& registry);
 
 /// One line for each difference (training_differences.h).
 void Warn(const std::vector<std::string>& differences, std::ostream& err);
@@ -66,35 +66,37 @@ void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, do
 /// Where evaluation episode `index` starts: in the evaluation's own streams, which no training run
 /// of any seed uses; with fixed placements where training starts.
 /// @param config  from ConfigToEvaluate.
-EpisodeStart EvaluationStart(const EvaluateOptions& options, const RunConfig& config,
-                             std::uint64_t index);
+environment::EpisodeStart EvaluationStart(const EvaluateOptions& options, const RunConfig& config,
+                                          std::uint64_t index);
 
 /// How many evaluation episodes differ from each other: those after them are the same again.
 /// std::nullopt: all do. @param config  from ConfigToEvaluate.
 std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
                                               const RunConfig& config,
-                                              const EnvironmentRegistry& registry);
+                                              const environment::EnvironmentRegistry& registry);
 
 /// Who acts when in evaluation episode `index`: the policy's own schedule, in the evaluation's own
 /// streams, or `options.head_order`. @throws std::invalid_argument if the policy has no such order.
-HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
-                                std::uint64_t index);
+policy::HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
+                                        std::uint64_t index);
 
 /// Called after the reset, with t = 0 and an empty outcome, and after each step, with the number t
 /// of steps taken so far and what the last of them did.
-using StepWatcher = std::function<void(std::int32_t t, const StepOutcome& step)>;
+using StepWatcher = std::function<void(std::int32_t t, const environment::StepOutcome& step)>;
 
 /// Plays one episode with the mean action at every step.
 /// @param schedule  of the episode: at most T steps, k heads.
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
-                                   const HeadSchedule& schedule, EpisodeStart start,
-                                   Environment& environment, const StepWatcher& watch = {});
+                                   const policy::HeadSchedule& schedule,
+                                   environment::EpisodeStart start,
+                                   environment::Environment& environment,
+                                   const StepWatcher& watch = {});
 
 /// `metronome-actor evaluate`: success rate with its confidence interval and mean return of a
 /// checkpoint's policy. What is otherwise than in training is a warning on `err`, and `differences`
 /// in JSON.
 /// @return exit status: 0; 1 where the checkpoint or the scenes cannot be used, 2 for bad options.
-int RunEvaluate(const EvaluateOptions& options, const EnvironmentRegistry& registry,
+int RunEvaluate(const EvaluateOptions& options, const environment::EnvironmentRegistry& registry,
                 std::ostream& out, std::ostream& err);
 
-}  // namespace metronome
+}  // namespace metronome::play

@@ -13,7 +13,7 @@
 #include "common/policy/policy.h"
 #include "common/process/cpu_times.h"
 
-namespace metronome {
+namespace metronome::play {
 namespace {
 
 /// Room for the longest episode, so that no step allocates.
@@ -38,7 +38,7 @@ std::span<float> NewRow(std::vector<float>& rows, std::size_t size) {
 }
 
 /// @param last  the horizon ends the episode here.
-std::uint8_t FlagsOf(const StepOutcome& step, bool last) {
+std::uint8_t FlagsOf(const environment::StepOutcome& step, bool last) {
   const bool truncated = !step.terminated && (step.truncated || last);
   return static_cast<std::uint8_t>((step.success ? kStepSuccess : 0) |
                                    (step.terminated ? kStepTerminated : 0) |
@@ -58,65 +58,66 @@ class Stopwatch {
  public:
   using Clock = std::chrono::steady_clock;
 
-  void Lap(CpuUse use) {
+  void Lap(process::CpuUse use) {
     const Clock::time_point now = Clock::now();
     laps_[static_cast<std::size_t>(use)] += now - last_;
     last_ = now;
   }
 
   void Count() const {
-    const double share =
-        (ThreadCpuSeconds() - cpu_begin_) / std::chrono::duration<double>(last_ - begin_).count();
+    const double share = (process::ThreadCpuSeconds() - cpu_begin_) /
+                         std::chrono::duration<double>(last_ - begin_).count();
     for (std::size_t use = 0; use < laps_.size(); ++use) {
-      CpuTimes::OfProcess().Add(CpuUse(use),
-                                share * std::chrono::duration<double>(laps_[use]).count());
+      process::CpuTimes::OfProcess().Add(process::CpuUse(use),
+                                         share * std::chrono::duration<double>(laps_[use]).count());
     }
   }
 
  private:
-  const double cpu_begin_ = ThreadCpuSeconds();
+  const double cpu_begin_ = process::ThreadCpuSeconds();
   const Clock::time_point begin_ = Clock::now();
   Clock::time_point last_ = begin_;
-  std::array<Clock::duration, static_cast<std::size_t>(CpuUse::kCount)> laps_{};
+  std::array<Clock::duration, static_cast<std::size_t>(process::CpuUse::kCount)> laps_{};
 };
 
 }  // namespace
 
 std::optional<Episode> PlayEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
-                                   std::uint64_t number, Environment& environment,
+                                   std::uint64_t number, environment::Environment& environment,
                                    const std::atomic<bool>& cancel) {
   Stopwatch stopwatch;
   const std::int32_t horizon = config.environment().horizon();
   const auto observations = std::size_t(config.environment().spec().observation_size());
   const auto actions = std::size_t(config.environment().spec().action_size());
-  Policy policy(config, snapshot);
-  const HeadSchedule schedule(config, TrainingEpisode(config, number));
-  ActionNoise noise(config, number);
+  policy::Policy policy(config, snapshot);
+  const policy::HeadSchedule schedule(config, policy::TrainingEpisode(config, number));
+  policy::ActionNoise noise(config, number);
   Episode episode = EmptyEpisode(number, snapshot.version, config.environment());
-  stopwatch.Lap(CpuUse::kPolicy);
-  EpisodeStart start = TrainingStart(config, number);
+  stopwatch.Lap(process::CpuUse::kPolicy);
+  environment::EpisodeStart start = environment::TrainingStart(config, number);
   environment.Reset(start, NewRow(episode.observation, observations));
-  stopwatch.Lap(CpuUse::kReset);
+  stopwatch.Lap(process::CpuUse::kReset);
   bool ended = false;
   for (std::int32_t t = 0; !ended; ++t) {
     if (cancel.load(std::memory_order_relaxed)) return std::nullopt;
     const float* observation = episode.observation.data() + std::size_t(t) * observations;
-    const Policy::Decision decision = policy.Act(schedule, observation, t, noise.At(t));
-    stopwatch.Lap(CpuUse::kPolicy);
+    const policy::Policy::Decision decision = policy.Act(schedule, observation, t, noise.At(t));
+    stopwatch.Lap(process::CpuUse::kPolicy);
     const std::span action(decision.action.data(), actions);
-    const StepOutcome step = environment.Step(action, NewRow(episode.observation, observations));
-    stopwatch.Lap(CpuUse::kPhysics);
+    const environment::StepOutcome step =
+        environment.Step(action, NewRow(episode.observation, observations));
+    stopwatch.Lap(process::CpuUse::kPhysics);
     ended = step.terminated || step.truncated || t + 1 == horizon;
     episode.action.insert(episode.action.end(), action.begin(), action.end());
     episode.log_prob.push_back(decision.log_prob);
     episode.reward.push_back(static_cast<float>(step.reward));
     episode.head.push_back(static_cast<std::uint16_t>(decision.head));
     episode.flags.push_back(FlagsOf(step, t + 1 == horizon));
-    stopwatch.Lap(CpuUse::kRollout);
+    stopwatch.Lap(process::CpuUse::kRollout);
   }
   RequireWhole(episode, config.environment());
   stopwatch.Count();
   return episode;
 }
 
-}  // namespace metronome
+}  // namespace metronome::play

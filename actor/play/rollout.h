@@ -9,7 +9,7 @@
 #include "common/messages/messages.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::play {
 
 /// Plays episode `number` under `snapshot`: a pure function of its arguments (`environment` is only
 /// a machine to run it on; nothing of its past enters).
@@ -18,7 +18,7 @@ namespace metronome {
 ///         does not.
 /// @param cancel  polled once a step. @return std::nullopt if it became true.
 std::optional<Episode> PlayEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
-                                   std::uint64_t number, Environment& environment,
+                                   std::uint64_t number, environment::Environment& environment,
                                    const std::atomic<bool>& cancel);
 
-}  // namespace metronome
+}  // namespace metronome::play

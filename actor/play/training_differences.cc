@@ -9,7 +9,7 @@
 #include "common/process/build_info.h"
 #include "common/text/near_miss.h"
 
-namespace metronome {
+namespace metronome::play {
 namespace {
 
 using Sentences = std::vector<std::string>;
@@ -19,7 +19,7 @@ std::string PlacementOptions(const RunConfig& trained) {
   const EnvironmentConfig& environment = trained.environment();
   std::string words =
       "--placements " +
-      FieldText(environment, *environment.GetDescriptor()->FindFieldByName("placements"));
+      config::FieldText(environment, *environment.GetDescriptor()->FindFieldByName("placements"));
   if (environment.placements() == PLACEMENTS_MT1) {
     words += " --seed " + std::to_string(trained.seed());
   }
@@ -28,23 +28,24 @@ std::string PlacementOptions(const RunConfig& trained) {
 
 void AddEnvironment(const RunConfig& trained, const RunConfig& played, Sentences& sentences) {
   std::vector<std::string> before;
-  VisitFields(trained.environment(), [&](const auto&, const auto& owner, const auto& field) {
-    before.push_back(FieldText(owner, field));
-  });
+  config::VisitFields(trained.environment(),
+                      [&](const auto&, const auto& owner, const auto& field) {
+                        before.push_back(config::FieldText(owner, field));
+                      });
   std::size_t index = 0;
-  VisitFields(played.environment(),
-              [&](const std::string& name, const auto& owner, const auto& field) {
-                const std::string& was = before.at(index++);
-                const std::string is = FieldText(owner, field);
-                // What belongs to a task goes without saying.
-                if (was == is || name.starts_with("spec.")) return;
-                std::string sentence =
-                    "trained with " + name + " " + was + ", evaluated with " + name + " " + is;
-                if (name == "placements") {
-                  sentence += " (as in training: " + PlacementOptions(trained) + ")";
-                }
-                sentences.push_back(std::move(sentence));
-              });
+  config::VisitFields(
+      played.environment(), [&](const std::string& name, const auto& owner, const auto& field) {
+        const std::string& was = before.at(index++);
+        const std::string is = config::FieldText(owner, field);
+        // What belongs to a task goes without saying.
+        if (was == is || name.starts_with("spec.")) return;
+        std::string sentence =
+            "trained with " + name + " " + was + ", evaluated with " + name + " " + is;
+        if (name == "placements") {
+          sentence += " (as in training: " + PlacementOptions(trained) + ")";
+        }
+        sentences.push_back(std::move(sentence));
+      });
 }
 
 void AddSeed(const RunConfig& trained, const EvaluateOptions& options, const RunConfig& played,
@@ -76,7 +77,7 @@ void AddHeadOrder(const RunConfig& trained, const std::vector<std::uint32_t>& or
                       (trained.policy().schedule() == SCHEDULE_BLOCKS
                            ? "heads in their own blocks of time"
                            : "heads in an order drawn for each episode") +
-                      ", evaluated with heads in the order " + JoinNames(words));
+                      ", evaluated with heads in the order " + text::JoinNames(words));
 }
 
 /// The parts of a BuildIdentity by what they are of, "glibc" to "glibc 2.36" say; compilers are of
@@ -105,13 +106,13 @@ void AddBuild(const std::string& trained, const std::string& used, Sentences& se
     now.push_back(other->second);
   }
   if (before.empty()) return;
-  sentences.push_back("trained by a build of " + JoinNames(before) + ", evaluated by one of " +
-                      JoinNames(now));
+  sentences.push_back("trained by a build of " + text::JoinNames(before) +
+                      ", evaluated by one of " + text::JoinNames(now));
 }
 
 }  // namespace
 
-std::vector<std::string> DifferencesFromTraining(const Checkpoint& checkpoint,
+std::vector<std::string> DifferencesFromTraining(const checkpoint::Checkpoint& checkpoint,
                                                  const EvaluateOptions& options,
                                                  const RunConfig& played) {
   const RunConfig& trained = checkpoint.config;
@@ -119,11 +120,12 @@ std::vector<std::string> DifferencesFromTraining(const Checkpoint& checkpoint,
   AddEnvironment(trained, played, sentences);
   AddSeed(trained, options, played, sentences);
   AddHeadOrder(trained, options.head_order, sentences);
-  if (checkpoint.engine != EngineName()) {
-    sentences.push_back("trained on " + checkpoint.engine + ", evaluated on " + EngineName());
+  if (checkpoint.engine != process::EngineName()) {
+    sentences.push_back("trained on " + checkpoint.engine + ", evaluated on " +
+                        process::EngineName());
   }
-  AddBuild(checkpoint.build, BuildIdentity(), sentences);
+  AddBuild(checkpoint.build, process::BuildIdentity(), sentences);
   return sentences;
 }
 
-}  // namespace metronome
+}  // namespace metronome::play

@@ -7,7 +7,7 @@
 #include "common/checkpoint/checkpoint.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::play {
 
 /// Every way in which an evaluation's episodes are played otherwise than the checkpoint's training
 /// episodes, one sentence each, with the option that plays them alike where there is one: the
@@ -15,8 +15,8 @@ namespace metronome {
 /// the mean action, and that random placements and shuffled orders are new ones; that is what an
 /// evaluation is for.
 /// @param played  configuration of the evaluation, see ConfigToEvaluate.
-std::vector<std::string> DifferencesFromTraining(const Checkpoint& checkpoint,
+std::vector<std::string> DifferencesFromTraining(const checkpoint::Checkpoint& checkpoint,
                                                  const EvaluateOptions& options,
                                                  const RunConfig& played);
 
-}  // namespace metronome
+}  // namespace metronome::play

@@ -9,17 +9,18 @@
 #include "common/text/near_miss.h"
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 constexpr const char* kFree = "free";
 
 /// "AZIMUTH,ELEVATION,DISTANCE[,X,Y,Z]"; std::nullopt if it is anything else.
-std::optional<CameraView> ParseView(const std::string& text, CameraView view) {
+std::optional<environment::CameraView> ParseView(const std::string& text,
+                                                 environment::CameraView view) {
   std::vector<double> numbers;
   std::istringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
-    const auto number = ParseNumber<double>(word);
+    const auto number = text::ParseNumber<double>(word);
     if (!number || !std::isfinite(*number)) return std::nullopt;
     numbers.push_back(*number);
   }
@@ -31,7 +32,7 @@ std::optional<CameraView> ParseView(const std::string& text, CameraView view) {
   return view;
 }
 
-mjvCamera FreeCamera(const CameraView& view) {
+mjvCamera FreeCamera(const environment::CameraView& view) {
   mjvCamera camera;
   mjv_defaultCamera(&camera);
   camera.type = mjCAMERA_FREE;
@@ -53,7 +54,8 @@ std::vector<std::string> CameraNames(const mjModel& model) {
   return names;
 }
 
-mjvCamera FindCamera(const mjModel& model, const CameraView& free, const std::string& name) {
+mjvCamera FindCamera(const mjModel& model, const environment::CameraView& free,
+                     const std::string& name) {
   if (name == kFree) return FreeCamera(free);
   if (const auto view = ParseView(name, free)) return FreeCamera(*view);
   mjvCamera camera;
@@ -61,9 +63,9 @@ mjvCamera FindCamera(const mjModel& model, const CameraView& free, const std::st
   camera.type = mjCAMERA_FIXED;
   camera.fixedcamid = mj_name2id(&model, mjOBJ_CAMERA, name.c_str());
   if (camera.fixedcamid < 0) {
-    throw std::invalid_argument(UnknownName("camera", name, CameraNames(model)));
+    throw std::invalid_argument(text::UnknownName("camera", name, CameraNames(model)));
   }
   return camera;
 }
 
-}  // namespace metronome
+}  // namespace metronome::render

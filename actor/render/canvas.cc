@@ -1,6 +1,6 @@
 #include "actor/render/canvas.h"
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 float Share(std::uint8_t channel) { return static_cast<float>(channel) / 255; }
@@ -34,4 +34,4 @@ int Canvas::Width(const std::string& text) const {
   return width;
 }
 
-}  // namespace metronome
+}  // namespace metronome::render

@@ -6,7 +6,7 @@
 
 #include "actor/render/head_colors.h"
 
-namespace metronome {
+namespace metronome::render {
 
 /// Flat colours and text on top of what a SceneRenderer has drawn. Pixels, from the lower left.
 class Canvas {
@@ -25,4 +25,4 @@ class Canvas {
   const mjrContext& context_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::render

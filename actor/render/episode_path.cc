@@ -5,7 +5,7 @@
 #include "actor/environment/mujoco_view.h"
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 Pose PoseOf(const mjModel& model, const mjData& data) {
@@ -17,14 +17,15 @@ Pose PoseOf(const mjModel& model, const mjData& data) {
 }  // namespace
 
 EpisodePath FollowEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
-                          const EpisodeKey& episode, const EpisodeStart& start,
-                          Environment& environment) {
-  const MujocoView& scene = *environment.mujoco();
-  const HeadSchedule schedule(config, episode);
+                          const numbers::EpisodeKey& episode,
+                          const environment::EpisodeStart& start,
+                          environment::Environment& environment) {
+  const environment::MujocoView& scene = *environment.mujoco();
+  const policy::HeadSchedule schedule(config, episode);
   EpisodePath path;
   path.heads = schedule.heads();
-  const auto watch = [&](std::int32_t t, const StepOutcome& step) {
-    const Landmarks landmarks = scene.landmarks();
+  const auto watch = [&](std::int32_t t, const environment::StepOutcome& step) {
+    const environment::Landmarks landmarks = scene.landmarks();
     PathPoint point;
     point.pose = PoseOf(scene.model(), scene.data());
     point.hand = landmarks.hand;
@@ -35,7 +36,7 @@ EpisodePath FollowEpisode(const RunConfig& config, const PolicySnapshot& snapsho
     point.success = step.success;
     path.points.push_back(std::move(point));
   };
-  path.outcome = PlayDeterministic(config, snapshot, schedule, start, environment, watch);
+  path.outcome = play::PlayDeterministic(config, snapshot, schedule, start, environment, watch);
   return path;
 }
 
@@ -45,13 +46,13 @@ std::string Csv(const EpisodePath& path) {
   for (std::size_t t = 0; t < path.points.size(); ++t) {
     const PathPoint& point = path.points[t];
     text += std::to_string(t) + ',' + (t > 0 ? std::to_string(point.head) : "");
-    for (const double number : point.hand) text += ',' + FormatNumber(number);
-    text += ',' + FormatNumber(point.gripper);
-    for (const double number : point.object) text += ',' + FormatNumber(number);
-    text += t > 0 ? ',' + FormatNumber(point.reward) + (point.success ? ",1" : ",0") : ",,";
+    for (const double number : point.hand) text += ',' + text::FormatNumber(number);
+    text += ',' + text::FormatNumber(point.gripper);
+    for (const double number : point.object) text += ',' + text::FormatNumber(number);
+    text += t > 0 ? ',' + text::FormatNumber(point.reward) + (point.success ? ",1" : ",0") : ",,";
     text += '\n';
   }
   return text;
 }
 
-}  // namespace metronome
+}  // namespace metronome::render

@@ -11,7 +11,7 @@
 #include "common/policy/head_schedule.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::render {
 
 /// Where everything in a scene is, as far as drawing needs it.
 struct Pose {
@@ -35,14 +35,15 @@ struct PathPoint {
 struct EpisodePath {
   std::int32_t heads = 1;         // k
   std::vector<PathPoint> points;  // [steps + 1]
-  EvaluatedEpisode outcome;
+  play::EvaluatedEpisode outcome;
 };
 
 /// The same episode as `evaluate` plays, looked at after every step; looking changes nothing.
 /// @param episode  whose heads act. @param environment  one in MuJoCo.
 EpisodePath FollowEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
-                          const EpisodeKey& episode, const EpisodeStart& start,
-                          Environment& environment);
+                          const numbers::EpisodeKey& episode,
+                          const environment::EpisodeStart& start,
+                          environment::Environment& environment);
 
 /// CSV with the header
 /// t,head,hand_x,hand_y,hand_z,gripper,object_x,object_y,object_z,reward,success; row t is the
@@ -50,4 +51,4 @@ EpisodePath FollowEpisode(const RunConfig& config, const PolicySnapshot& snapsho
 /// is the reset: head, reward and success are empty. Numbers read back as the same doubles.
 std::string Csv(const EpisodePath& path);
 
-}  // namespace metronome
+}  // namespace metronome::render

@@ -10,7 +10,7 @@
 #include "actor/render/path_geoms.h"
 #include "actor/render/timeline.h"
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 constexpr Color kPanel = {0, 0, 0};
@@ -93,4 +93,4 @@ void EpisodePictures::DrawHeadline(const std::string& text,
   canvas_.Text(left + line / 2, middle, text, kText);
 }
 
-}  // namespace metronome
+}  // namespace metronome::render

@@ -10,7 +10,7 @@
 #include "actor/render/image.h"
 #include "actor/render/scene_renderer.h"
 
-namespace metronome {
+namespace metronome::render {
 
 /// Pictures of one episode: the scene, a line of text above, the heads' timeline below.
 class EpisodePictures {
@@ -44,4 +44,4 @@ class EpisodePictures {
   const Canvas canvas_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::render

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 constexpr std::array<Color, 10> kTab10 = {{{0x1f, 0x77, 0xb4},
@@ -47,4 +47,4 @@ Color TextColorOn(const Color& background) {
   return brightness > 150 ? Color{0, 0, 0} : Color{255, 255, 255};
 }
 
-}  // namespace metronome
+}  // namespace metronome::render

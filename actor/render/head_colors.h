@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-namespace metronome {
+namespace metronome::render {
 
 using Color = std::array<std::uint8_t, 3>;  // red, green, blue; sRGB bytes
 
@@ -16,4 +16,4 @@ Color HeadColor(std::int32_t head, std::int32_t heads);
 /// Black or white, whichever is easier to read on `background`.
 Color TextColorOn(const Color& background);
 
-}  // namespace metronome
+}  // namespace metronome::render

@@ -7,7 +7,7 @@
 
 #include "common/process/files.h"
 
-namespace metronome {
+namespace metronome::render {
 
 void WritePng(const std::string& path, const Image& image) {
   std::vector<unsigned char> png;
@@ -16,7 +16,7 @@ void WritePng(const std::string& path, const Image& image) {
   if (error != 0) {
     throw std::runtime_error("cannot encode " + path + ": " + lodepng_error_text(error));
   }
-  WriteFileAtomically(path, {reinterpret_cast<const char*>(png.data()), png.size()});
+  process::WriteFileAtomically(path, {reinterpret_cast<const char*>(png.data()), png.size()});
 }
 
-}  // namespace metronome
+}  // namespace metronome::render

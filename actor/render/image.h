@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace metronome {
+namespace metronome::render {
 
 struct ImageSize {
   int width = 0;
@@ -21,4 +21,4 @@ struct Image {
 /// @throws std::runtime_error (std::system_error where the file system says no), naming the path.
 void WritePng(const std::string& path, const Image& image);
 
-}  // namespace metronome
+}  // namespace metronome::render

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 constexpr const char* kLibrary = "libOSMesa.so.8";
@@ -56,4 +56,4 @@ OffscreenGl::OffscreenGl()
 
 OffscreenGl::~OffscreenGl() { destroy_(context_); }
 
-}  // namespace metronome
+}  // namespace metronome::render

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace metronome {
+namespace metronome::render {
 
 /// OpenGL cannot be had; what() says what to install.
 class GraphicsError : public std::runtime_error {
@@ -29,4 +29,4 @@ class OffscreenGl {
   std::vector<unsigned char> window_;  // OSMesa wants one; MuJoCo draws into a buffer of its own
 };
 
-}  // namespace metronome
+}  // namespace metronome::render

@@ -5,7 +5,7 @@
 
 #include "actor/render/head_colors.h"
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 constexpr mjtNum kTubeRadius = 0.005;       // metres
@@ -74,4 +74,4 @@ std::vector<mjvGeom> PathGeoms(const EpisodePath& path, std::int32_t steps) {
   return geoms;
 }
 
-}  // namespace metronome
+}  // namespace metronome::render

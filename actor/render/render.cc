@@ -19,7 +19,7 @@
 #include "common/text/near_miss.h"
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 constexpr int kLeastSide = 160;  // pixels; text and timeline need some room
@@ -57,7 +57,8 @@ double ArmOpacity(const RenderOptions& options, Medium medium) {
 /// Before an episode is played in vain.
 void RequireWritable(const std::string& path) {
   if (path.empty()) return;
-  const std::filesystem::path folder = std::filesystem::path(FileToReplace(path)).parent_path();
+  const std::filesystem::path folder =
+      std::filesystem::path(process::FileToReplace(path)).parent_path();
   const std::string named = folder.empty() ? "." : folder.string();
   if (!std::filesystem::is_directory(named)) {
     throw std::runtime_error("cannot write " + path + ": there is no folder " + named);
@@ -94,8 +95,8 @@ void WriteVideo(const RenderOptions& options, ImageSize size, double rate, std::
   video.Finish();
 }
 
-EvaluateOptions AsEvaluated(const RenderOptions& options) {
-  EvaluateOptions evaluate;
+play::EvaluateOptions AsEvaluated(const RenderOptions& options) {
+  play::EvaluateOptions evaluate;
   evaluate.checkpoint = options.checkpoint;
   evaluate.task = options.task;
   evaluate.seed = options.seed;
@@ -103,32 +104,33 @@ EvaluateOptions AsEvaluated(const RenderOptions& options) {
   return evaluate;
 }
 
-void Render(const RenderOptions& options, const EnvironmentRegistry& registry, std::ostream& out,
-            std::ostream& err) {
+void Render(const RenderOptions& options, const environment::EnvironmentRegistry& registry,
+            std::ostream& out, std::ostream& err) {
   RequireValid(options);
   const Medium medium = MediumOf(options.out);
   const ImageSize size = SizeOf(options, medium);
-  const EvaluateOptions evaluate = AsEvaluated(options);
-  RequireValid(evaluate);
+  const play::EvaluateOptions evaluate = AsEvaluated(options);
+  play::RequireValid(evaluate);
   RequireWritable(options.out);
   RequireWritable(options.csv);
   if (medium == Medium::kVideo) VideoWriter::RequireEncoder();
 
-  const Checkpoint checkpoint = LoadCheckpoint(
+  const checkpoint::Checkpoint checkpoint = checkpoint::LoadCheckpoint(
       options.checkpoint, [&registry](const auto& name) { return registry.Describe(name); });
-  const RunConfig config = ConfigToEvaluate(checkpoint, evaluate, registry);
-  Warn(DifferencesFromTraining(checkpoint, evaluate, config), err);
+  const RunConfig config = play::ConfigToEvaluate(checkpoint, evaluate, registry);
+  play::Warn(play::DifferencesFromTraining(checkpoint, evaluate, config), err);
   const std::string& task = config.environment().task();
   PoseAt(options, config.environment().horizon());
   const auto environment = registry.Make(config.environment());
-  const MujocoView* scene = environment->mujoco();
+  const environment::MujocoView* scene = environment->mujoco();
   if (scene == nullptr) {
     throw std::invalid_argument("environment " + task + " cannot be drawn: it is not in MuJoCo");
   }
   const mjvCamera camera = FindCamera(scene->model(), scene->view(), options.camera);
-  const EpisodePath path = FollowEpisode(
-      config, checkpoint.state.policy, {RandomPurpose::kEvaluate, evaluate.seed, options.episode},
-      EvaluationStart(evaluate, config, options.episode), *environment);
+  const EpisodePath path =
+      FollowEpisode(config, checkpoint.state.policy,
+                    {numbers::RandomPurpose::kEvaluate, evaluate.seed, options.episode},
+                    play::EvaluationStart(evaluate, config, options.episode), *environment);
   const std::int32_t last = path.outcome.length;
   const std::int32_t pose_at = PoseAt(options, last);  // it may have ended early
 
@@ -140,11 +142,11 @@ void Render(const RenderOptions& options, const EnvironmentRegistry& registry, s
       WriteVideo(options, size, scene->steps_per_second(), last, pictures);
     }
   }
-  if (!options.csv.empty()) WriteFileAtomically(options.csv, Csv(path));
+  if (!options.csv.empty()) process::WriteFileAtomically(options.csv, Csv(path));
   const bool fixed = config.environment().placements() == PLACEMENTS_FIXED;
   out << task << ", weights version " << checkpoint.state.version << ", "
       << (fixed ? "fixed placement" : "seed " + std::to_string(options.seed)) << ", episode "
-      << options.episode << ": return " << FormatNumber(path.outcome.episode_return)
+      << options.episode << ": return " << text::FormatNumber(path.outcome.episode_return)
       << (path.outcome.success ? ", success" : ", no success") << '\n'
       << std::flush;
   if (!out) throw std::runtime_error("cannot write the result to standard output");
@@ -154,8 +156,9 @@ void Render(const RenderOptions& options, const EnvironmentRegistry& registry, s
 
 ImageSize ParseImageSize(const std::string& text) {
   const std::size_t cross = text.find('x');
-  const auto width = ParseNumber<int>(text.substr(0, cross));
-  const auto height = ParseNumber<int>(cross == std::string::npos ? "" : text.substr(cross + 1));
+  const auto width = text::ParseNumber<int>(text.substr(0, cross));
+  const auto height =
+      text::ParseNumber<int>(cross == std::string::npos ? "" : text.substr(cross + 1));
   const auto fits = [](int side) { return kLeastSide <= side && side <= kMostSide; };
   if (!width || !height || !fits(*width) || !fits(*height)) {
     throw std::invalid_argument("--size " + text + ": must be WIDTHxHEIGHT, each from " +
@@ -165,8 +168,8 @@ ImageSize ParseImageSize(const std::string& text) {
   return {*width, *height};
 }
 
-int RunRender(const RenderOptions& options, const EnvironmentRegistry& registry, std::ostream& out,
-              std::ostream& err) {
+int RunRender(const RenderOptions& options, const environment::EnvironmentRegistry& registry,
+              std::ostream& out, std::ostream& err) {
   try {
     Render(options, registry, out, err);
     return 0;
@@ -179,4 +182,4 @@ int RunRender(const RenderOptions& options, const EnvironmentRegistry& registry,
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::render

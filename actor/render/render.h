@@ -8,7 +8,7 @@
 #include "actor/environment/registry.h"
 #include "actor/render/image.h"
 
-namespace metronome {
+namespace metronome::render {
 
 struct RenderOptions {
   std::string checkpoint;
@@ -36,7 +36,7 @@ ImageSize ParseImageSize(const std::string& text);
 /// line, what is otherwise than in training is a warning on `err`.
 /// @return exit status: 0; 1 where checkpoint, scene, OpenGL, ffmpeg or the files cannot be used; 2
 ///         for bad options. Files are whole or not there.
-int RunRender(const RenderOptions& options, const EnvironmentRegistry& registry, std::ostream& out,
-              std::ostream& err);
+int RunRender(const RenderOptions& options, const environment::EnvironmentRegistry& registry,
+              std::ostream& out, std::ostream& err);
 
-}  // namespace metronome
+}  // namespace metronome::render

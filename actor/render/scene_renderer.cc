@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string_view>
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 constexpr int kShadowMap = 2048;  // pixels a side; half a frame's time goes into it even so
@@ -37,8 +37,9 @@ void FadeArm(mjModel& model, double opacity) {
   }
 }
 
-metaworld::ModelPtr ModelToDraw(const mjModel& model, const ImageSize& size, double arm_opacity) {
-  metaworld::ModelPtr copy(mj_copyModel(nullptr, &model));
+metaworld::engine::ModelPtr ModelToDraw(const mjModel& model, const ImageSize& size,
+                                        double arm_opacity) {
+  metaworld::engine::ModelPtr copy(mj_copyModel(nullptr, &model));
   copy->vis.global.offwidth = size.width;
   copy->vis.global.offheight = size.height;
   copy->vis.quality.shadowsize = kShadowMap;
@@ -104,4 +105,4 @@ Image SceneRenderer::Read() const {
   return image;
 }
 
-}  // namespace metronome
+}  // namespace metronome::render

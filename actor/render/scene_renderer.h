@@ -10,7 +10,7 @@
 #include "actor/render/image.h"
 #include "actor/render/offscreen_gl.h"
 
-namespace metronome {
+namespace metronome::render {
 
 /// Draws poses of one scene by MuJoCo's own renderer, off-screen. Works on copies alone: of the
 /// model, and of mjData a blank one of its own. Bound to the thread that made it.
@@ -39,12 +39,12 @@ class SceneRenderer {
 
   const OffscreenGl gl_;  // outlives what is made in it
   const ImageSize size_;
-  metaworld::ModelPtr model_;
-  metaworld::DataPtr data_;
+  metaworld::engine::ModelPtr model_;
+  metaworld::engine::DataPtr data_;
   mjvCamera camera_;
   mjvOption option_{};
   mjvScene scene_{};
   mjrContext context_{};
 };
 
-}  // namespace metronome
+}  // namespace metronome::render

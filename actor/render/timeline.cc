@@ -5,7 +5,7 @@
 
 #include "actor/render/head_colors.h"
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 constexpr Color kPaper = {255, 255, 255};
@@ -104,4 +104,4 @@ void DrawTimeline(const Canvas& canvas, const EpisodePath& path, const mjrRect& 
   if (now) DrawMark(canvas, scale, *now);
 }
 
-}  // namespace metronome
+}  // namespace metronome::render

@@ -9,7 +9,7 @@
 #include "actor/render/canvas.h"
 #include "actor/render/episode_path.h"
 
-namespace metronome {
+namespace metronome::render {
 
 /// Consecutive steps of one head.
 struct HeadTurn {
@@ -30,4 +30,4 @@ int TimelineHeight(const Canvas& canvas);
 void DrawTimeline(const Canvas& canvas, const EpisodePath& path, const mjrRect& area,
                   std::optional<std::int32_t> now);
 
-}  // namespace metronome
+}  // namespace metronome::render

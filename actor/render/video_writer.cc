@@ -20,7 +20,7 @@
 #include "common/process/files.h"
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 constexpr const char* kEncoder = "ffmpeg";
@@ -46,7 +46,7 @@ std::vector<std::string> EncoderCommand(ImageSize size, double rate) {
           "-video_size",
           dimensions,
           "-framerate",
-          FormatNumber(rate),
+          text::FormatNumber(rate),
           "-i",
           "pipe:0",
           "-c:v",
@@ -126,7 +126,7 @@ VideoWriter::MemoryFile::MemoryFile(const char* what) : fd_(memfd_create(what, M
 
 VideoWriter::MemoryFile::~MemoryFile() { close(fd_); }
 
-std::string VideoWriter::MemoryFile::Content() const { return ReadFile(NameOf(fd_)); }
+std::string VideoWriter::MemoryFile::Content() const { return process::ReadFile(NameOf(fd_)); }
 
 void VideoWriter::RequireEncoder() {
   if (OnPath(kEncoder)) return;
@@ -136,7 +136,7 @@ void VideoWriter::RequireEncoder() {
 }
 
 VideoWriter::VideoWriter(const std::string& path, ImageSize size, double frames_per_second)
-    : path_(FileToReplace(path)) {
+    : path_(process::FileToReplace(path)) {
   // A frame for an ffmpeg that has ended is an error to report, not the end of this process.
   std::signal(SIGPIPE, SIG_IGN);
   std::array<int, 2> ends{};
@@ -176,7 +176,7 @@ void VideoWriter::Finish() {
     throw std::runtime_error("cannot write " + path_ + ": larger than files may be (ulimit -f)");
   }
   if (status != 0) Fail();
-  WriteFileAtomically(path_, video_.Content());
+  process::WriteFileAtomically(path_, video_.Content());
 }
 
 int VideoWriter::Wait() {
@@ -199,4 +199,4 @@ void VideoWriter::Fail() {
       (words.empty() ? "" : ": " + words.substr(0, words.find_last_not_of('\n') + 1)));
 }
 
-}  // namespace metronome
+}  // namespace metronome::render

@@ -6,7 +6,7 @@
 
 #include "actor/render/image.h"
 
-namespace metronome {
+namespace metronome::render {
 
 /// An H.264 video in an MP4 file, made by the program ffmpeg: one frame after another goes down its
 /// standard input. Not thread-safe.
@@ -58,4 +58,4 @@ class VideoWriter {
   pid_t ffmpeg_ = -1;
 };
 
-}  // namespace metronome
+}  // namespace metronome::render

@@ -13,7 +13,7 @@
 #include "common/text/near_miss.h"
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::replay {
 namespace {
 
 using metaworld::RandVec;
@@ -28,7 +28,7 @@ void Mt1(const PlacementsOptions& options, const Sink& sink) {
   if (options.count > metaworld::kMt1Placements)
     throw std::invalid_argument("--count " + std::to_string(options.count) + ": mt1 has " +
                                 std::to_string(metaworld::kMt1Placements) + " placements");
-  auto placements = metaworld::Mt1Placements(metaworld::FindTask(options.task),
+  auto placements = metaworld::Mt1Placements(metaworld::tasks::FindTask(options.task),
                                              static_cast<std::uint32_t>(options.seed));
   if (options.count > 0) placements.resize(options.count);
   for (const RandVec& placement : placements) sink(placement);
@@ -36,12 +36,12 @@ void Mt1(const PlacementsOptions& options, const Sink& sink) {
 
 void OfTraining(const PlacementsOptions& options, Placements mode, std::uint64_t count,
                 const Sink& sink) {
-  const metaworld::TaskSpec& task = metaworld::FindTask(options.task);
+  const metaworld::TaskSpec& task = metaworld::tasks::FindTask(options.task);
   RunConfig config;
   config.mutable_environment()->set_placements(mode);
   config.set_seed(options.seed);
   for (std::uint64_t number = 0; number < count; ++number) {
-    EpisodeStart start = TrainingStart(config, number);
+    environment::EpisodeStart start = environment::TrainingStart(config, number);
     sink(metaworld::StartPlacement(task, mode, start));
   }
 }
@@ -57,7 +57,8 @@ void Place(const PlacementsOptions& options, const Sink& sink) {
   else if (options.mode == "mt1")
     Mt1(options, sink);
   else
-    throw std::invalid_argument(UnknownName("mode", options.mode, {"random", "fixed", "mt1"}));
+    throw std::invalid_argument(
+        text::UnknownName("mode", options.mode, {"random", "fixed", "mt1"}));
 }
 
 /// Prints rows, with the header before the first.
@@ -68,7 +69,7 @@ class Table {
   void Add(const RandVec& placement) {
     if (!std::exchange(begun_, true)) out_ << "obj_x,obj_y,obj_z,goal_x,goal_y,goal_z\n";
     for (std::size_t i = 0; i < placement.size(); ++i)
-      out_ << (i > 0 ? "," : "") << FormatNumber(placement[i]);
+      out_ << (i > 0 ? "," : "") << text::FormatNumber(placement[i]);
     out_ << '\n';
     if (!out_) throw std::runtime_error("cannot write the output");
   }
@@ -96,4 +97,4 @@ int RunPlacements(const PlacementsOptions& options, std::ostream& out) {
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::replay

@@ -4,7 +4,7 @@
 #include <ostream>
 #include <string>
 
-namespace metronome {
+namespace metronome::replay {
 
 struct PlacementsOptions {
   std::string task;  // any accepted spelling
@@ -20,4 +20,4 @@ struct PlacementsOptions {
 /// @return exit status: 0; 2 for bad options, with the reason on stderr and nothing on `out`.
 int RunPlacements(const PlacementsOptions& options, std::ostream& out);
 
-}  // namespace metronome
+}  // namespace metronome::replay

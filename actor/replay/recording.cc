@@ -11,7 +11,7 @@
 
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::replay {
 namespace {
 
 using Json = nlohmann::json;
@@ -86,7 +86,7 @@ class Table {
                                   std::to_string(names_.size()) + ": the file is cut short");
     Numbers numbers(fields.size());
     for (std::size_t i = 0; i < fields.size(); ++i) {
-      const auto number = ParseNumber<double>(fields[i]);
+      const auto number = text::ParseNumber<double>(fields[i]);
       if (!number)
         throw std::invalid_argument("row " + std::to_string(row) + ", column " + names_[i] +
                                     ": \"" + std::string(fields[i]) + "\" is not a number");
@@ -221,4 +221,4 @@ Recording ReadRecording(const std::string& path) {
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::replay

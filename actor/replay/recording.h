@@ -6,7 +6,7 @@
 
 #include "actor/metaworld/sawyer.h"
 
-namespace metronome {
+namespace metronome::replay {
 
 /// One step of a recorded episode: the action, and the physical state after it.
 struct RecordedStep {
@@ -28,4 +28,4 @@ struct Recording {
 ///         key or column missing, a number that is none.
 Recording ReadRecording(const std::string& path);
 
-}  // namespace metronome
+}  // namespace metronome::replay

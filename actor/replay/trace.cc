@@ -6,7 +6,7 @@
 #include "actor/metaworld/tasks/task_table.h"
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::replay {
 namespace {
 
 TraceMode ParseMode(const std::string& mode) {
@@ -17,7 +17,7 @@ TraceMode ParseMode(const std::string& mode) {
 
 std::string CsvRow(std::size_t step, const metaworld::Observation& observation) {
   std::string row = std::to_string(step);
-  for (const double number : observation) row += ',' + FormatNumber(number);
+  for (const double number : observation) row += ',' + text::FormatNumber(number);
   return row;
 }
 
@@ -33,7 +33,7 @@ std::string Csv(const Trace& trace) {
     for (const double number :
          {step.reward, info.success ? 1.0 : 0.0, info.near_object, info.grasp_success,
           info.grasp_reward, info.in_place_reward, info.obj_to_target})
-      text += ',' + FormatNumber(number);
+      text += ',' + text::FormatNumber(number);
     text += '\n';
   }
   return text;
@@ -42,8 +42,8 @@ std::string Csv(const Trace& trace) {
 }  // namespace
 
 Trace PlayRecording(const Recording& recording, TraceMode mode, const std::string& assets) {
-  const auto environment =
-      metaworld::MakeSawyerEnvironment(recording.task, {.goal_visible = true, .assets = assets});
+  const auto environment = metaworld::tasks::MakeSawyerEnvironment(
+      recording.task, {.goal_visible = true, .assets = assets});
   Trace trace;
   trace.reset = environment->Reset(recording.placement);
   if (mode == TraceMode::kForced) environment->Replay(recording.start);
@@ -57,9 +57,9 @@ Trace PlayRecording(const Recording& recording, TraceMode mode, const std::strin
 int RunTrace(const TraceOptions& options, std::ostream& out) {
   try {
     const TraceMode mode = ParseMode(options.mode);
-    const std::string task = metaworld::FindTask(options.task).name;
+    const std::string task = metaworld::tasks::FindTask(options.task).name;
     const Recording recording = ReadRecording(options.recording);
-    if (metaworld::FindTask(recording.task).name != task)
+    if (metaworld::tasks::FindTask(recording.task).name != task)
       throw std::invalid_argument("recording " + options.recording + " is of task " +
                                   recording.task + ", not " + task);
     out << Csv(PlayRecording(recording, mode, options.assets)) << std::flush;
@@ -74,4 +74,4 @@ int RunTrace(const TraceOptions& options, std::ostream& out) {
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::replay

@@ -6,7 +6,7 @@
 #include "actor/metaworld/sawyer.h"
 #include "actor/replay/recording.h"
 
-namespace metronome {
+namespace metronome::replay {
 
 enum class TraceMode {
   kForced,  // observe and reward the recorded states
@@ -39,4 +39,4 @@ Trace PlayRecording(const Recording& recording, TraceMode mode, const std::strin
 ///         then nothing is written to `out` and the reason to stderr.
 int RunTrace(const TraceOptions& options, std::ostream& out);
 
-}  // namespace metronome
+}  // namespace metronome::replay

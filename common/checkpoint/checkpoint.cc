@@ -10,7 +10,7 @@
 #include "common/process/sha256.h"
 #include "common/schema/checkpoint.pb.h"
 
-namespace metronome {
+namespace metronome::checkpoint {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the frame is copied as it lies");
@@ -82,10 +82,10 @@ T Get(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-Sha256Digest DigestOf(std::string_view frame, std::string_view payload) {
+process::Sha256Digest DigestOf(std::string_view frame, std::string_view payload) {
   std::string covered(frame.substr(0, kDigestAt));
   covered.append(payload);
-  return Sha256(covered);
+  return process::Sha256(covered);
 }
 
 struct Frame {
@@ -102,7 +102,7 @@ Frame CheckFrame(std::string_view bytes, const std::string& name) {
   }
   const auto length = Get<std::uint64_t>(bytes, kLengthAt);
   const std::string_view payload = bytes.substr(kPayloadAt);
-  const Sha256Digest digest = DigestOf(bytes, payload);
+  const process::Sha256Digest digest = DigestOf(bytes, payload);
   if (std::memcmp(digest.data(), bytes.data() + kDigestAt, digest.size()) != 0) {
     throw CheckpointDamaged(name + ": damaged: " +
                             (length == payload.size() ? "its SHA-256 does not match its content"
@@ -134,11 +134,13 @@ TrainState StateOfOldFormat(const std::string& bytes, const RunConfig& config,
   if (!old.ParseFromString(bytes))
     throw CheckpointError(name + ": its state is not a checkpoint's");
   const std::vector<float> parameters = FromField(old.parameters());
-  const RunningStatistics observation{FromField(old.observation().mean()),
-                                      FromField(old.observation().m2()), old.observation().count()};
-  RequireSize(parameters.size(), ParameterCount(ShapeOf(config)), "the network", name);
+  const policy::RunningStatistics observation{FromField(old.observation().mean()),
+                                              FromField(old.observation().m2()),
+                                              old.observation().count()};
+  RequireSize(parameters.size(), policy::ParameterCount(policy::ShapeOf(config)), "the network",
+              name);
   if (observation.count > 0) {
-    const auto observations = static_cast<std::size_t>(ShapeOf(config).observation);
+    const auto observations = static_cast<std::size_t>(policy::ShapeOf(config).observation);
     RequireSize(observation.mean.size(), observations, "the observation statistics", name);
     RequireSize(observation.m2.size(), observations, "the observation statistics", name);
   }
@@ -147,37 +149,38 @@ TrainState StateOfOldFormat(const std::string& bytes, const RunConfig& config,
   state.steps = old.steps();
   state.episodes_used = old.episodes_used();
   state.canonical_digest = old.canonical_digest();
-  state.policy = MakeSnapshot(state.version, parameters.data(), observation, config);
-  state.weights = {parameters.size(), WeightsSha256(parameters)};
+  state.policy = policy::MakeSnapshot(state.version, parameters.data(), observation, config);
+  state.weights = {parameters.size(), process::WeightsSha256(parameters)};
   state.algorithm = {"ppo", 1, bytes};
   return state;
 }
 
 void RequireValid(const RunConfig& config, const std::string& name) {
   try {
-    Validate(config);
-  } catch (const ConfigError& error) {
+    config::Validate(config);
+  } catch (const config::ConfigError& error) {
     throw CheckpointError(name + ": its configuration is not valid: " + error.what());
   }
 }
 
 void RequireFit(const PolicySnapshot& policy, const RunConfig& config, const std::string& name) {
-  RequireSize(policy.parameters.size(), ActorLayout(ShapeOf(config)).size, "the policy", name);
-  const auto observations = static_cast<std::size_t>(ShapeOf(config).observation);
+  RequireSize(policy.parameters.size(), policy::ActorLayout(policy::ShapeOf(config)).size,
+              "the policy", name);
+  const auto observations = static_cast<std::size_t>(policy::ShapeOf(config).observation);
   RequireSize(policy.observation_mean.size(), observations, "the observations' mean", name);
   RequireSize(policy.observation_inv_std.size(), observations, "the observations' scale", name);
 }
 
-void Complete(RunConfig& config, const std::string& name, const SpecSource& source) {
+void Complete(RunConfig& config, const std::string& name, const config::SpecSource& source) {
   try {
-    CompleteSpec(config, source);
-  } catch (const ConfigError& error) {
+    config::CompleteSpec(config, source);
+  } catch (const config::ConfigError& error) {
     throw CheckpointError(name + ": " + error.what());
   }
 }
 
 std::string ShapeText(const RunConfig& config) {
-  const NetworkShape shape = ShapeOf(config);
+  const policy::NetworkShape shape = policy::ShapeOf(config);
   std::string text = std::to_string(shape.input()) + " inputs, hidden";
   for (const auto width : shape.hidden) text += " " + std::to_string(width);
   return text + ", " + std::to_string(shape.heads) + " heads of " + std::to_string(shape.action) +
@@ -191,13 +194,13 @@ std::string EncodeCheckpoint(const Checkpoint& checkpoint) {
   std::string bytes(kMagic);
   Put(bytes, kCheckpointFormat);
   Put(bytes, static_cast<std::uint64_t>(payload.size()));
-  const Sha256Digest digest = DigestOf(bytes, payload);
+  const process::Sha256Digest digest = DigestOf(bytes, payload);
   bytes.append(reinterpret_cast<const char*>(digest.data()), digest.size());
   return bytes + payload;
 }
 
 Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name,
-                            const SpecSource& source) {
+                            const config::SpecSource& source) {
   const auto [format, raw] = CheckFrame(bytes, name);
   CheckpointPayload payload;
   if (raw.size() > INT32_MAX || !payload.ParseFromArray(raw.data(), static_cast<int>(raw.size()))) {
@@ -220,9 +223,9 @@ Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name,
 }
 
 void RequireShape(const Checkpoint& checkpoint, const RunConfig& config, const std::string& name) {
-  if (ShapeOf(checkpoint.config) == ShapeOf(config)) return;
+  if (policy::ShapeOf(checkpoint.config) == policy::ShapeOf(config)) return;
   throw CheckpointError(name + ": another network shape: it holds " + ShapeText(checkpoint.config) +
                         "; asked for is " + ShapeText(config));
 }
 
-}  // namespace metronome
+}  // namespace metronome::checkpoint

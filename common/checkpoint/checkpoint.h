@@ -15,7 +15,7 @@
 ///
 /// Frame, little-endian: "METRCKPT" | uint32 format version | uint64 payload bytes | SHA-256 of
 /// the 20 bytes before it and of the payload | payload (common/schema/checkpoint.proto).
-namespace metronome {
+namespace metronome::checkpoint {
 
 /// What is written. Grows whenever an older build would misread the payload; it refuses a newer
 /// format by name. The frame stays.
@@ -76,11 +76,11 @@ class CheckpointUnreadable : public CheckpointError {
 ///         format whose policy fits its configuration.
 std::string EncodeCheckpoint(const Checkpoint& checkpoint);
 Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name,
-                            const SpecSource& source);
+                            const config::SpecSource& source);
 
 /// @throws CheckpointError, see DecodeCheckpoint, and CheckpointUnreadable; where the file is
 ///         damaged or cannot be read, what() names the checkpoints that lie beside it.
-Checkpoint LoadCheckpoint(const std::string& path, const SpecSource& source);
+Checkpoint LoadCheckpoint(const std::string& path, const config::SpecSource& source);
 
 /// @throws CheckpointError naming both shapes if the checkpoint's network does not have the shape
 ///         that `config` (resolved) asks for.
@@ -105,7 +105,7 @@ struct FoundCheckpoint {
 ///         that goes back to another one, if the one to take is whole and cannot be used, or cannot
 ///         be read.
 std::optional<FoundCheckpoint> FindNewestCheckpoint(const std::string& folder,
-                                                    const SpecSource& source);
+                                                    const config::SpecSource& source);
 
 /// The checkpoints of one run: FOLDER/000123.ckpt for version 123, FOLDER/latest a link to the
 /// newest. One writer per folder (the run's lock); not thread-safe.
@@ -142,4 +142,4 @@ class CheckpointStore {
   std::uint64_t milestone_every_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::checkpoint

@@ -10,7 +10,7 @@
 #include "common/process/files.h"
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::checkpoint {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,7 +30,8 @@ std::string FileName(std::uint64_t version) {
 std::optional<std::uint64_t> VersionOf(const fs::path& path) {
   const std::string name = path.filename().string();
   if (!name.ends_with(kSuffix)) return std::nullopt;
-  return ParseNumber<std::uint64_t>(std::string_view(name).substr(0, name.size() - kSuffix.size()));
+  return text::ParseNumber<std::uint64_t>(
+      std::string_view(name).substr(0, name.size() - kSuffix.size()));
 }
 
 /// The names that lie in a folder. @param error  why it cannot be read; it then counts as empty.
@@ -77,10 +78,10 @@ std::string OthersBeside(const fs::path& path) {
   return text + names + (names.empty() ? "" : " in " + folder.string());
 }
 
-Checkpoint ReadCheckpoint(const fs::path& path, const SpecSource& source) {
+Checkpoint ReadCheckpoint(const fs::path& path, const config::SpecSource& source) {
   std::string bytes;
   try {
-    bytes = ReadFile(path.string());
+    bytes = process::ReadFile(path.string());
   } catch (const std::system_error& error) {
     throw CheckpointUnreadable("cannot read checkpoint " + path.string() + ": " +
                                error.code().message());
@@ -112,7 +113,7 @@ std::vector<fs::path> Candidates(const fs::path& latest, const Files& files) {
 
 /// Why it cannot be gone on from and never can be, or nothing and the checkpoint is in `found`.
 /// @throws CheckpointError if it may be whole.
-std::optional<std::string> Take(const fs::path& path, const SpecSource& source,
+std::optional<std::string> Take(const fs::path& path, const config::SpecSource& source,
                                 FoundCheckpoint& found) {
   std::error_code error;
   const auto there = fs::status(path, error);
@@ -168,7 +169,7 @@ void RequireNoTrace(const std::string& folder, const std::vector<fs::path>& entr
 
 }  // namespace
 
-Checkpoint LoadCheckpoint(const std::string& path, const SpecSource& source) {
+Checkpoint LoadCheckpoint(const std::string& path, const config::SpecSource& source) {
   try {
     return ReadCheckpoint(path, source);
   } catch (const CheckpointDamaged& error) {
@@ -179,7 +180,7 @@ Checkpoint LoadCheckpoint(const std::string& path, const SpecSource& source) {
 }
 
 std::optional<FoundCheckpoint> FindNewestCheckpoint(const std::string& folder,
-                                                    const SpecSource& source) {
+                                                    const config::SpecSource& source) {
   std::error_code error;
   const std::vector<fs::path> entries = EntriesOf(folder, error);
   if (error == std::errc::no_such_file_or_directory) return std::nullopt;
@@ -215,8 +216,8 @@ CheckpointStore::CheckpointStore(std::string folder, int keep, int milestone_eve
 std::string CheckpointStore::Save(const Checkpoint& checkpoint) {
   const std::string name = FileName(checkpoint.state.version);
   std::string path = (fs::path(folder_) / name).string();
-  WriteFileAtomically(path, EncodeCheckpoint(checkpoint));
-  ReplaceSymlink((fs::path(folder_) / kLatest).string(), name);
+  process::WriteFileAtomically(path, EncodeCheckpoint(checkpoint));
+  process::ReplaceSymlink((fs::path(folder_) / kLatest).string(), name);
   Prune(checkpoint.state.version);
   return path;
 }
@@ -225,7 +226,7 @@ void CheckpointStore::GoOnFrom(const FoundCheckpoint& found) {
   for (const auto& passed : found.passed_over) PutAside(passed.path);
   const fs::path path(found.path);
   if (!found.passed_over.empty() && path.filename() != kLatest) {
-    ReplaceSymlink((fs::path(folder_) / kLatest).string(), path.filename().string());
+    process::ReplaceSymlink((fs::path(folder_) / kLatest).string(), path.filename().string());
   }
 }
 
@@ -263,4 +264,4 @@ void CheckpointStore::Prune(std::uint64_t newest) const {
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::checkpoint

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace metronome {
+namespace metronome::checkpoint {
 
 /// A list of numbers as it lies in a message of a checkpoint.
 template <typename T>
@@ -12,4 +12,4 @@ std::vector<T> FromField(const google::protobuf::RepeatedField<T>& field) {
   return {field.begin(), field.end()};
 }
 
-}  // namespace metronome
+}  // namespace metronome::checkpoint

@@ -5,7 +5,7 @@
 
 #include "common/messages/messages.h"
 
-namespace metronome {
+namespace metronome::checkpoint {
 
 /// How far a run has come.
 struct RunCounters {
@@ -41,4 +41,4 @@ struct TrainState : RunCounters {
   bool operator==(const TrainState&) const = default;
 };
 
-}  // namespace metronome
+}  // namespace metronome::checkpoint

@@ -7,7 +7,7 @@
 #include <map>
 #include <stdexcept>
 
-namespace metronome {
+namespace metronome::config {
 namespace {
 
 constexpr std::int32_t kDefaultHeads = 10;
@@ -122,4 +122,4 @@ RunConfig ConfigDraft::Finish(const SpecSource& source) const {
   return config;
 }
 
-}  // namespace metronome
+}  // namespace metronome::config

@@ -12,7 +12,7 @@
 /// specification, resolve, validate, print, compare.
 /// Field meanings and defaults: common/schema/config.proto. No function keeps state; all are
 /// thread-safe.
-namespace metronome {
+namespace metronome::config {
 
 /// Fills every unset field with its default, the derived ones too (heads and minibatch by what else
 /// is set, the horizon by the environment's specification, see CompleteSpec).
@@ -64,4 +64,4 @@ class ConfigDraft {
   ConfigOrigins origins_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::config

@@ -8,7 +8,7 @@
 
 #include "common/text/near_miss.h"
 
-namespace metronome {
+namespace metronome::config {
 namespace {
 
 using google::protobuf::Descriptor;
@@ -44,7 +44,7 @@ std::string Word(const EnumValueDescriptor& value) {
 const EnumValueDescriptor* FindEnumValue(const EnumDescriptor& type, const std::string& text) {
   for (int i = 0; i < type.value_count(); ++i) {
     const EnumValueDescriptor* value = type.value(i);
-    if (EditDistance(text, value->name()) == 0 || EditDistance(text, Word(*value)) == 0)
+    if (text::EditDistance(text, value->name()) == 0 || text::EditDistance(text, Word(*value)) == 0)
       return value;
   }
   return nullptr;
@@ -101,7 +101,7 @@ void AddValue(Message& owner, const std::string& path, const std::string& text,
   std::string value = text;
   if (const EnumDescriptor* type = field.enum_type()) {
     const EnumValueDescriptor* found = FindEnumValue(*type, text);
-    if (!found) throw ConfigError(UnknownName("value of " + path, text, EnumWords(*type)));
+    if (!found) throw ConfigError(text::UnknownName("value of " + path, text, EnumWords(*type)));
     value = found->name();
   }
   if (ParseValue(owner, field, value)) return;
@@ -144,13 +144,13 @@ const FieldDescriptor& FindStep(const Message& owner, const std::string& path, s
   const FieldDescriptor* field = type.FindFieldByName(name);
   if (!field) {
     const std::string where = begin == 0 ? "setting" : "setting of " + path.substr(0, begin - 1);
-    throw ConfigError(UnknownName(where, name, FieldNames(type)));
+    throw ConfigError(text::UnknownName(where, name, FieldNames(type)));
   }
   const bool last = end == path.size();
   if (IsMessage(*field) && last) {
     std::vector<std::string> members = FieldNames(*field->message_type());
     for (std::string& member : members) member.insert(0, path + ".");
-    throw ConfigError(path + " is a group of settings: name one of " + JoinNames(members));
+    throw ConfigError(path + " is a group of settings: name one of " + text::JoinNames(members));
   }
   if (!IsMessage(*field) && !last) {
     throw ConfigError(path + ": " + path.substr(0, end) + " is one setting, nothing lies in it");
@@ -247,4 +247,4 @@ void FillDefaults(Message& message) {
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::config

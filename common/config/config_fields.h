@@ -10,7 +10,7 @@
 
 /// Configuration fields by dotted path ("ppo.learning_rate"), by Protobuf reflection.
 /// All functions are free of state.
-namespace metronome {
+namespace metronome::config {
 
 /// The configuration cannot be used as it is; what() names field, value and what is allowed, one
 /// complaint a line. Processes print it and exit 2.
@@ -55,4 +55,4 @@ void Overlay(google::protobuf::Message& base, const google::protobuf::Message& t
 /// alternatives as in VisitFields.
 void FillDefaults(google::protobuf::Message& message);
 
-}  // namespace metronome
+}  // namespace metronome::config

@@ -10,7 +10,7 @@
 #include "common/config/word_fault.h"
 #include "common/process/files.h"
 
-namespace metronome {
+namespace metronome::config {
 namespace {
 
 using google::protobuf::FieldDescriptor;
@@ -115,11 +115,11 @@ ParsedConfig ParseConfigText(const std::string& whole, const std::string& name) 
 ParsedConfig ParseConfigFile(const std::string& path) {
   std::string text;
   try {
-    text = ReadFile(path);
+    text = process::ReadFile(path);
   } catch (const std::system_error& error) {
     throw ConfigError("cannot read configuration file " + path + ": " + error.code().message());
   }
   return ParseConfigText(text, path);
 }
 
-}  // namespace metronome
+}  // namespace metronome::config

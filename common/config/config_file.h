@@ -7,7 +7,7 @@
 #include "common/schema/config.pb.h"
 
 /// Configuration files: RunConfig in Protobuf text format.
-namespace metronome {
+namespace metronome::config {
 
 /// Where values came from: dotted path -> "run.cfg:3:5" or "--heads".
 using ConfigOrigins = std::map<std::string, std::string>;
@@ -27,4 +27,4 @@ ParsedConfig ParseConfigText(const std::string& text, const std::string& name);
 /// The same from a file. @throws ConfigError also when it cannot be read.
 ParsedConfig ParseConfigFile(const std::string& path);
 
-}  // namespace metronome
+}  // namespace metronome::config

@@ -12,7 +12,7 @@
 #include "common/text/near_miss.h"
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::config {
 namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
@@ -75,13 +75,13 @@ const std::map<std::string, Range>& Ranges() {
 std::string RangeText(const Range& range) {
   if (range.high == kUnbounded) {
     return std::string("a finite number, ") + (range.low_open ? "above " : "at least ") +
-           FormatNumber(range.low);
+           text::FormatNumber(range.low);
   }
   // Written out: shortest form would give 9007199254740991 as 9.007199254740991e+15.
   std::ostringstream high;
   high.precision(17);
   high << range.high;
-  return std::string(range.low_open ? "above " : "from ") + FormatNumber(range.low) +
+  return std::string(range.low_open ? "above " : "from ") + text::FormatNumber(range.low) +
          (range.low_open ? ", at most " : " to ") + high.str();
 }
 
@@ -119,7 +119,7 @@ void CheckRanges(const RunConfig& config, Complaints& complaints) {
     if (path.starts_with("environment.") && !config.environment().has_spec()) return;
     std::istringstream values(FieldText(owner, field));
     for (std::string value; std::getline(values, value, ',');) {
-      const auto number = ParseNumber<double>(value);
+      const auto number = text::ParseNumber<double>(value);
       if (number && Inside(*number, found->second)) continue;
       complaints.Add(path,
                      "is " + FieldText(owner, field) + ": must be " + RangeText(found->second));
@@ -201,7 +201,7 @@ void CheckBatch(const RunConfig& config, Complaints& complaints) {
 
 // Only for a shape whose every number is in range.
 void CheckNetworkSize(const RunConfig& config, Complaints& complaints) {
-  const std::size_t size = ActorLayout(ShapeOf(config)).size;
+  const std::size_t size = policy::ActorLayout(policy::ShapeOf(config)).size;
   if (size <= kMostPolicyParameters) return;
   complaints.Add("policy.hidden", "and policy.heads make a policy of " + std::to_string(size) +
                                       " parameters: must be at most " +
@@ -219,7 +219,7 @@ void CheckAlgorithm(const RunConfig& config, Complaints& complaints) {
 void CheckHosts(const std::string& path, const std::string& hosts, const std::string& allowed,
                 Complaints& complaints) {
   try {
-    ParseHostPorts(hosts);
+    text::ParseHostPorts(hosts);
   } catch (const std::invalid_argument& error) {
     complaints.Add(path, "is \"" + hosts + "\": must be " + allowed + "; " + error.what());
   }
@@ -230,7 +230,7 @@ void CheckNetwork(const std::string& network, Complaints& complaints) {
   if (network == "loopback" || network == "lan") return;
   const std::string allowed = "loopback, lan, or the peers' addresses separated by commas";
   const bool lone_word = network.find_first_of(".,:0123456789") == std::string::npos;
-  const auto near = NearMiss(network, {"loopback", "lan"});
+  const auto near = text::NearMiss(network, {"loopback", "lan"});
   if (!lone_word || !near) return CheckHosts("runtime.network", network, allowed, complaints);
   complaints.Add("runtime.network",
                  "is \"" + network + "\"; did you mean \"" + *near + "\"? must be " + allowed);
@@ -244,7 +244,7 @@ void CheckDiscoveryServers(const std::string& servers, Complaints& complaints) {
 void CheckMetrics(const std::string& address, Complaints& complaints) {
   if (address.empty()) return;
   try {
-    ParseListenAddress(address);
+    text::ParseListenAddress(address);
   } catch (const std::invalid_argument& error) {
     complaints.Add("runtime.metrics", "is \"" + address + "\": " + error.what());
   }
@@ -254,7 +254,7 @@ void CheckRuntime(const RunConfig& config, Complaints& complaints) {
   const std::string& transport = config.runtime().transport();
   if (transport != "udp" && transport != "shm" && transport != "tcp") {
     complaints.Add("runtime.transport",
-                   "is an " + UnknownName("transport", transport, {"udp", "shm", "tcp"}));
+                   "is an " + text::UnknownName("transport", transport, {"udp", "shm", "tcp"}));
   }
   CheckNetwork(config.runtime().network(), complaints);
   CheckDiscoveryServers(config.runtime().discovery_server(), complaints);
@@ -276,4 +276,4 @@ void Validate(const RunConfig& config, const ConfigOrigins& origins) {
   complaints.ThrowIfAny();
 }
 
-}  // namespace metronome
+}  // namespace metronome::config

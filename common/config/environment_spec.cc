@@ -4,7 +4,7 @@
 
 #include "common/config/config_fields.h"
 
-namespace metronome {
+namespace metronome::config {
 
 bool HasSpec(const RunConfig& config) {
   const EnvironmentConfig& environment = config.environment();
@@ -27,4 +27,4 @@ void CompleteSpec(RunConfig& config, const SpecSource& source) {
   environment.set_task(environment.spec().short_name());
 }
 
-}  // namespace metronome
+}  // namespace metronome::config

@@ -6,7 +6,7 @@
 #include "common/schema/config.pb.h"
 
 /// How a configuration comes to say what its environment is like.
-namespace metronome {
+namespace metronome::config {
 
 /// Describes the environment of a name: the registry of an actor, or that program's word.
 /// @throws std::invalid_argument for a name that it does not know (near miss and list), ConfigError
@@ -21,4 +21,4 @@ bool HasSpec(const RunConfig& config);
 /// @throws ConfigError for a name that `source` does not know, and what `source` throws else.
 void CompleteSpec(RunConfig& config, const SpecSource& source);
 
-}  // namespace metronome
+}  // namespace metronome::config

@@ -12,7 +12,7 @@
 #include "common/schema/config.pb.h"
 #include "common/text/near_miss.h"
 
-namespace metronome {
+namespace metronome::config {
 namespace {
 
 using google::protobuf::Descriptor;
@@ -87,7 +87,7 @@ class Reader {
     if (!field) {
       const std::string where =
           prefix.empty() ? "setting" : "setting of " + prefix.substr(0, prefix.size() - 1);
-      SetFault(UnknownName(where, name, FieldNames(type)));
+      SetFault(text::UnknownName(where, name, FieldNames(type)));
       return nullptr;
     }
     if (!seen.insert(name).second && !field->is_repeated()) {
@@ -120,7 +120,7 @@ class Reader {
     const std::vector<std::string> words = WordsOf(field);
     if (type == Tokenizer::TYPE_IDENTIFIER && !words.empty() &&
         std::find(words.begin(), words.end(), Now().text) == words.end()) {
-      SetFault(UnknownName("value of " + prefix + field.name(), Now().text, words));
+      SetFault(text::UnknownName("value of " + prefix + field.name(), Now().text, words));
       return false;
     }
     if (!tokens_.Next()) return false;
@@ -143,4 +143,4 @@ std::optional<WordFault> FindWordFault(const std::string& text, TextPosition err
   return reader.fault();
 }
 
-}  // namespace metronome
+}  // namespace metronome::config

@@ -4,7 +4,7 @@
 #include <string>
 
 /// Words in a configuration file that mean nothing to the configuration.
-namespace metronome {
+namespace metronome::config {
 
 /// As Protobuf counts: from zero, and a tab advances to the next multiple of 8.
 struct TextPosition {
@@ -26,4 +26,4 @@ struct WordFault {
 /// Pure function.
 std::optional<WordFault> FindWordFault(const std::string& text, TextPosition error);
 
-}  // namespace metronome
+}  // namespace metronome::config

@@ -12,7 +12,7 @@
 #include "common/dds/learner_sightings.h"
 #include "common/dds/participant_qos.h"
 
-namespace metronome {
+namespace metronome::dds {
 namespace {
 
 using dds::Inbox;
@@ -207,4 +207,4 @@ std::unique_ptr<ActorBus> MakeDdsActorBus(const BusOptions& options, std::uint64
   return std::make_unique<DdsActorBus>(options, actor_id);
 }
 
-}  // namespace metronome
+}  // namespace metronome::dds

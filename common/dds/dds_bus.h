@@ -13,7 +13,7 @@
 /// that: an ActorStatus or RunDescription of another protocol version comes out as itself, with its
 /// protocol_version, incarnation and id alone, so that both ends can refuse by naming both
 /// versions.
-namespace metronome {
+namespace metronome::dds {
 
 /// @throws std::invalid_argument for bad options and for what this machine lacks (loopback, shared
 ///         memory), with the remedy; std::runtime_error if Fast DDS will not start.
@@ -26,4 +26,4 @@ std::unique_ptr<ActorBus> MakeDdsActorBus(const BusOptions& options, std::uint64
 /// @throws as MakeDdsLearnerBus.
 std::unique_ptr<ObserverBus> MakeDdsObserverBus(const BusOptions& options);
 
-}  // namespace metronome
+}  // namespace metronome::dds

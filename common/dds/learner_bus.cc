@@ -12,7 +12,7 @@
 #include "common/dds/inbox.h"
 #include "common/dds/learner_sightings.h"
 
-namespace metronome {
+namespace metronome::dds {
 namespace {
 
 using dds::Inbox;
@@ -142,4 +142,4 @@ std::unique_ptr<LearnerBus> MakeDdsLearnerBus(const BusOptions& options) {
   return std::make_unique<DdsLearnerBus>(options);
 }
 
-}  // namespace metronome
+}  // namespace metronome::dds

@@ -11,8 +11,7 @@
 
 #include "common/dds/shared_memory.h"
 
-namespace metronome {
-namespace dds {
+namespace metronome::dds {
 namespace {
 
 constexpr const char* kRemedy = "ip link set lo up (as root)";
@@ -55,12 +54,10 @@ void WarnOfInterfaces(const Network& network) {
   }
 }
 
-}  // namespace dds
-
 void CheckMachineOfLearner(const BusOptions& options) {
-  dds::CheckLoopback(options.network);
+  CheckLoopback(options.network);
   if (options.transport != Transport::kSharedMemory) return;
-  const dds::SharedMemoryNote asks(options.run_name, options.domain, "learner", true);
+  const SharedMemoryNote asks(options.run_name, options.domain, "learner", true);
 }
 
-}  // namespace metronome
+}  // namespace metronome::dds

@@ -3,15 +3,13 @@
 #include "common/messages/bus_options.h"
 
 /// What a participant needs of this machine.
-namespace metronome {
+namespace metronome::dds {
 
 /// To be called before anything of a run is made, so that none is started half; the bus asks again
 /// when it is made.
 /// @throws std::invalid_argument that names what is missing and the remedy: the loopback interface,
 ///         or shared memory for the learner and an actor.
 void CheckMachineOfLearner(const BusOptions& options);
-
-namespace dds {
 
 /// @throws std::invalid_argument, with the remedy, if the network is loopback and it is down.
 void CheckLoopback(const Network& network);
@@ -20,5 +18,4 @@ void CheckLoopback(const Network& network);
 /// it is made.
 void WarnOfInterfaces(const Network& network);
 
-}  // namespace dds
-}  // namespace metronome
+}  // namespace metronome::dds

@@ -7,7 +7,7 @@
 #include "common/dds/learner_sightings.h"
 #include "common/dds/participant_qos.h"
 
-namespace metronome {
+namespace metronome::dds {
 namespace {
 
 using dds::Inbox;
@@ -62,4 +62,4 @@ std::unique_ptr<ObserverBus> MakeDdsObserverBus(const BusOptions& options) {
   return std::make_unique<DdsObserverBus>(options);
 }
 
-}  // namespace metronome
+}  // namespace metronome::dds

@@ -69,12 +69,12 @@ void TakeOverLog() {
 class Listener final : public fdds::DomainParticipantListener {
  public:
   /// @param inner  may be null. Both must outlive the listener.
-  Listener(PeerHosts* hosts, DiscoveryClient* inner) : hosts_(*hosts) {
+  Listener(PeerHosts* hosts, workarounds::DiscoveryClient* inner) : hosts_(*hosts) {
     if (inner != nullptr) inner_ = inner;
   }
 
   void on_participant_discovery(fdds::DomainParticipant* participant,
-                                Discovered&& discovered) override {
+                                workarounds::Discovered&& discovered) override {
     hosts_.Note(discovered);
     inner_->on_participant_discovery(participant, std::move(discovered));
   }
@@ -92,8 +92,8 @@ class Listener final : public fdds::DomainParticipantListener {
  private:
   static constexpr int kMostTimes = 3;
   PeerHosts& hosts_;
-  LeaseRaceGuard guard_;
-  LeaseRaceGuard* inner_ = &guard_;
+  workarounds::LeaseRaceGuard guard_;
+  workarounds::LeaseRaceGuard* inner_ = &guard_;
 };
 
 /// Buses of one process talk through the transport, so that tests see what machines see.
@@ -114,10 +114,10 @@ ParticipantKey ParticipantOf(const fdds::InstanceHandle_t& endpoint) {
 Participant::Participant(const BusOptions& options, const std::string& role)
     : hosts_(!options.security.empty()) {
   CheckBusOptions(options);
-  CheckIdentity(options, role);
+  security::CheckIdentity(options, role);
   CheckLoopback(options.network);
   TakeOverLog();
-  WarnOfIgnoredSurroundings();
+  workarounds::WarnOfIgnoredSurroundings();
   SwitchIntraprocessDeliveryOff();
   WarnOfInterfaces(options.network);
   if (options.transport == Transport::kSharedMemory) {
@@ -137,9 +137,9 @@ Participant::Participant(const BusOptions& options, const std::string& role)
     if (options.transport == Transport::kTcp) {
       const auto port = TcpPort(options);
       if (FindsLearnersAlone(role)) {
-        CutMuteConnections(port);
+        workarounds::CutMuteConnections(port);
       } else {
-        EndSilentConnections(port, std::chrono::milliseconds(kLeaseMilliseconds));
+        workarounds::EndSilentConnections(port, std::chrono::milliseconds(kLeaseMilliseconds));
         listens_on_ = port;
       }
     }
@@ -163,7 +163,7 @@ Participant::~Participant() { DeleteAll(); }
 void Participant::DeleteAll() {
   if (discovery_) discovery_->Stop();
   participant_->delete_contained_entities();
-  if (listens_on_) EndConnections(*listens_on_);
+  if (listens_on_) workarounds::EndConnections(*listens_on_);
   fdds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
 

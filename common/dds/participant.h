@@ -77,7 +77,7 @@ class Participant {
 
   // These outlive the participant, whose listeners they are.
   PeerHosts hosts_;
-  std::optional<DiscoveryClient> discovery_;  // with Discovery Servers
+  std::optional<workarounds::DiscoveryClient> discovery_;  // with Discovery Servers
   std::unique_ptr<fdds::DomainParticipantListener> listener_;
   std::optional<SharedMemoryNote> memory_;  // outlives the participant, of whose files it tells
   std::shared_ptr<Traffic> traffic_ = std::make_shared<Traffic>();

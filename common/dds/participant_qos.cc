@@ -117,7 +117,7 @@ void AddSharedMemory(std::uint32_t segment_bytes, fdds::DomainParticipantQos* qo
   qos->transport().user_transports.push_back(memory);
   rtps::Locator_t locator;
   locator.kind = LOCATOR_KIND_SHM;
-  locator.port = SharedMemoryPort();
+  locator.port = workarounds::SharedMemoryPort();
   qos->wire_protocol().default_unicast_locator_list.push_back(locator);
   qos->wire_protocol().default_unicast_locator_list.push_back(UdpLocator("0.0.0.0", 0));
 }
@@ -131,7 +131,7 @@ bool FindsLearnersAlone(const std::string& role) {
 fdds::DomainParticipantQos ParticipantQos(const BusOptions& options, const std::string& role) {
   fdds::DomainParticipantQos qos = fdds::PARTICIPANT_QOS_DEFAULT;
   qos.name("metronome-" + role + " " + options.run_name);
-  if (!options.security.empty()) AddSecurity(options.security, &qos.properties());
+  if (!options.security.empty()) security::AddSecurity(options.security, &qos.properties());
   qos.transport().use_builtin_transports = false;
   qos.transport().send_socket_buffer_size = kSocketBufferBytes;
   qos.transport().listen_socket_buffer_size = kSocketBufferBytes;

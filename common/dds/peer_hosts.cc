@@ -46,13 +46,14 @@ std::string CertificateOf(const ParticipantKey& participant) {
 
 }  // namespace
 
-void PeerHosts::Note(const Discovered& discovered) {
+void PeerHosts::Note(const workarounds::Discovered& discovered) {
   const ParticipantKey key = KeyOf(discovered.info.m_guid.guidPrefix);
   const std::lock_guard lock(mutex_);
-  if (discovered.status == Discovered::DISCOVERED_PARTICIPANT) {
+  if (discovered.status == workarounds::Discovered::DISCOVERED_PARTICIPANT) {
     std::erase(gone_, key);
     hosts_.insert_or_assign(key, AddressesOf(discovered.info));
-  } else if (discovered.status != Discovered::CHANGED_QOS_PARTICIPANT && hosts_.contains(key)) {
+  } else if (discovered.status != workarounds::Discovered::CHANGED_QOS_PARTICIPANT &&
+             hosts_.contains(key)) {
     std::erase(gone_, key);
     gone_.push_back(key);
     if (gone_.size() <= kGoneKept) return;

@@ -28,7 +28,7 @@ class PeerHosts {
   explicit PeerHosts(bool security) : security_(security) {}
 
   /// A participant was discovered, changed or is gone.
-  void Note(const Discovered& discovered);
+  void Note(const workarounds::Discovered& discovered);
   /// @return "unknown address" of one that discovery did not tell of, or that is long gone.
   [[nodiscard]] std::string HostOf(const ParticipantKey& participant) const;
 

@@ -33,8 +33,9 @@ std::string PrefixOf(const std::string& run_name, std::uint32_t domain) {
 
 std::uint64_t FreeBytes() {
   struct statvfs state {};
-  return statvfs(kSharedMemoryFolder, &state) == 0 ? std::uint64_t{state.f_bavail} * state.f_frsize
-                                                   : 0;
+  return statvfs(workarounds::kSharedMemoryFolder, &state) == 0
+             ? std::uint64_t{state.f_bavail} * state.f_frsize
+             : 0;
 }
 
 std::string Megabytes(std::uint64_t bytes) { return std::to_string(bytes >> 20) + " MB"; }
@@ -50,8 +51,8 @@ std::string ErrorOf(const std::string& path) {
 
 /// @param who  with its verb.
 [[noreturn]] void RefuseWithoutRoom(const std::string& who, std::uint32_t bytes) {
-  Refuse(std::string(kSharedMemoryFolder) + " has room for " + Megabytes(FreeBytes()) + ", " + who +
-         " " + Megabytes(bytes) +
+  Refuse(std::string(workarounds::kSharedMemoryFolder) + " has room for " + Megabytes(FreeBytes()) +
+         ", " + who + " " + Megabytes(bytes) +
          ". Make it larger (of a container: --shm-size=1g), start fewer processes, or remove what "
          "killed programs left there: fastdds shm clean (of Debian's fastdds-tools)");
 }
@@ -81,16 +82,16 @@ std::uint32_t SegmentBytes(const std::string& role) {
 
 SharedMemoryNote::SharedMemoryNote(const std::string& run_name, std::uint32_t domain,
                                    const std::string& role, bool for_an_actor_too)
-    : turn_(kSharedMemoryFolder, O_RDONLY | O_DIRECTORY) {
+    : turn_(workarounds::kSharedMemoryFolder, O_RDONLY | O_DIRECTORY) {
   static std::atomic<int> count{0};
   NameTheCauseOfSigbus();
-  if (!turn_.Lock()) Refuse(ErrorOf(kSharedMemoryFolder));
+  if (!turn_.Lock()) Refuse(ErrorOf(workarounds::kSharedMemoryFolder));
   const std::string prefix = PrefixOf(run_name, domain);
-  const Others others = RemoveLeftovers(prefix);
+  const workarounds::Others others = workarounds::RemoveLeftovers(prefix);
   do {
-    path_ = std::string(kSharedMemoryFolder) + "/" + prefix + std::to_string(getpid()) + "-" +
-            std::to_string(++count);
-    file_ = LockedFile(path_, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW);
+    path_ = std::string(workarounds::kSharedMemoryFolder) + "/" + prefix +
+            std::to_string(getpid()) + "-" + std::to_string(++count);
+    file_ = workarounds::LockedFile(path_, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW);
     // A process of the same id in another container has that one.
   } while (file_.get() < 0 && errno == EEXIST);
   if (!file_.Lock()) Refuse(ErrorOf(path_));
@@ -102,7 +103,7 @@ SharedMemoryNote::SharedMemoryNote(const std::string& run_name, std::uint32_t do
     RefuseWithoutRoom(with_an_actor ? "this process and an actor need" : "this process needs",
                       bytes);
   }
-  Note(PortFiles());
+  Note(workarounds::PortFiles());
 }
 
 // The note itself takes the room for a moment: what the system says of free room does not count
@@ -117,7 +118,8 @@ bool SharedMemoryNote::TryRoom(std::uint32_t bytes) {
 
 /// For what is removed of a dead process: it is free once its peers do not map it any more.
 bool SharedMemoryNote::WaitForRoom(std::uint32_t bytes) {
-  spdlog::info("waiting for the peers of the killed to let go of {}", kSharedMemoryFolder);
+  spdlog::info("waiting for the peers of the killed to let go of {}",
+               workarounds::kSharedMemoryFolder);
   const auto deadline = std::chrono::steady_clock::now() + kPeersLetGo;
   while (std::chrono::steady_clock::now() < deadline) {
     if (TryRoom(bytes)) return true;
@@ -129,8 +131,8 @@ bool SharedMemoryNote::WaitForRoom(std::uint32_t bytes) {
 SharedMemoryNote::~SharedMemoryNote() { unlink(path_.c_str()); }
 
 void SharedMemoryNote::Write() {
-  Note(PortFiles() + SegmentFiles());
-  turn_ = LockedFile();
+  Note(workarounds::PortFiles() + workarounds::SegmentFiles());
+  turn_ = workarounds::LockedFile();
 }
 
 void SharedMemoryNote::Note(const std::string& names) {

@@ -40,9 +40,9 @@ class SharedMemoryNote {
   bool WaitForRoom(std::uint32_t bytes);
   void Note(const std::string& names);
 
-  LockedFile turn_;  // the folder: one process at a time asks for room and takes it
+  workarounds::LockedFile turn_;  // the folder: one process at a time asks for room and takes it
   std::string path_;
-  LockedFile file_;
+  workarounds::LockedFile file_;
 };
 
 }  // namespace metronome::dds

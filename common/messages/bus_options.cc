@@ -62,7 +62,8 @@ std::string Ipv4Of(const std::string& what, const std::string& host) {
 std::vector<Network::Peer> ParsePeers(const std::string& what, const std::string& text) {
   std::vector<Network::Peer> peers;
   try {
-    for (const HostPort& one : ParseHostPorts(text)) peers.push_back({one.host, one.port});
+    for (const text::HostPort& one : text::ParseHostPorts(text))
+      peers.push_back({one.host, one.port});
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(what + " " + error.what());
   }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <span>
 
-namespace metronome {
+namespace metronome::numbers {
 
 /// @return whether no value is infinite or not a number.
 inline bool AllFinite(std::span<const float> values) {
@@ -12,4 +12,4 @@ inline bool AllFinite(std::span<const float> values) {
                      [](float value) { return std::isfinite(value); });
 }
 
-}  // namespace metronome
+}  // namespace metronome::numbers

@@ -4,7 +4,7 @@
 
 #include "common/numbers/random.h"
 
-namespace metronome {
+namespace metronome::numbers {
 
 /// Which episode: the key of what is drawn anew for each.
 struct EpisodeKey {
@@ -13,4 +13,4 @@ struct EpisodeKey {
   std::uint64_t number = 0;                       // in it, from 0
 };
 
-}  // namespace metronome
+}  // namespace metronome::numbers

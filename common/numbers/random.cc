@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace metronome {
+namespace metronome::numbers {
 
 RandomStream::RandomStream(RandomPurpose purpose, std::uint64_t seed, std::uint64_t number,
                            std::uint64_t t)
@@ -56,4 +56,4 @@ std::vector<std::uint32_t> Permutation(std::uint32_t size, RandomStream stream) 
   return order;
 }
 
-}  // namespace metronome
+}  // namespace metronome::numbers

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace metronome {
+namespace metronome::numbers {
 
 /// What a random number is for. Streams of different purposes never meet.
 /// The values are part of the promise of bit-equality: never renumber.
@@ -52,4 +52,4 @@ class RandomStream {
 /// A uniform permutation of 0..size-1 (Fisher-Yates), a function of the stream's key and counter.
 std::vector<std::uint32_t> Permutation(std::uint32_t size, RandomStream stream);
 
-}  // namespace metronome
+}  // namespace metronome::numbers

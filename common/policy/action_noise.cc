@@ -4,7 +4,7 @@
 
 #include "common/numbers/random.h"
 
-namespace metronome {
+namespace metronome::policy {
 
 ActionNoise::ActionNoise(const RunConfig& config, std::uint64_t number)
     : size_(config.environment().spec().action_size()),
@@ -13,7 +13,8 @@ ActionNoise::ActionNoise(const RunConfig& config, std::uint64_t number)
       correlation_(config.policy().noise_correlation()) {}
 
 ActionNoise::Doubles ActionNoise::Independent(std::int32_t t) const {
-  RandomStream stream(RandomPurpose::kTrain, seed_, number_, static_cast<std::uint64_t>(t));
+  numbers::RandomStream stream(numbers::RandomPurpose::kTrain, seed_, number_,
+                               static_cast<std::uint64_t>(t));
   Doubles numbers{};
   for (std::int32_t i = 0; i < size_; ++i) numbers[i] = stream.Normal();
   return numbers;
@@ -40,4 +41,4 @@ ActionNoise::Numbers ActionNoise::At(std::int32_t t) {
   return numbers;
 }
 
-}  // namespace metronome
+}  // namespace metronome::policy

@@ -6,7 +6,7 @@
 #include "common/messages/episode.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::policy {
 
 /// The standard normal numbers that make the actions of one training episode: of each component of
 /// the action a first-order autoregressive sequence, n_0 = e_0 and
@@ -39,4 +39,4 @@ class ActionNoise {
   Doubles state_{};
 };
 
-}  // namespace metronome
+}  // namespace metronome::policy

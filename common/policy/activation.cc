@@ -1,7 +1,7 @@
 #include "common/policy/activation.h"
 
-namespace metronome {
+namespace metronome::policy {
 
 void TanhInPlace(Eigen::MatrixXf& values) { values = values.array().tanh(); }
 
-}  // namespace metronome
+}  // namespace metronome::policy

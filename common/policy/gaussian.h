@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace metronome {
+namespace metronome::policy {
 
 inline constexpr float kHalfLogTwoPi = 0.918938533204672742F;
 
@@ -24,4 +24,4 @@ inline float GaussianEntropy(const float* log_std, std::int32_t size) {
   return entropy;
 }
 
-}  // namespace metronome
+}  // namespace metronome::policy

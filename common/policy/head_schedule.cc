@@ -4,10 +4,10 @@
 #include <string>
 #include <utility>
 
-namespace metronome {
+namespace metronome::policy {
 
-EpisodeKey TrainingEpisode(const RunConfig& config, std::uint64_t number) {
-  return {RandomPurpose::kTrain, config.seed(), number};
+numbers::EpisodeKey TrainingEpisode(const RunConfig& config, std::uint64_t number) {
+  return {numbers::RandomPurpose::kTrain, config.seed(), number};
 }
 
 HeadSchedule::HeadSchedule(const RunConfig& config)
@@ -21,12 +21,12 @@ HeadSchedule::HeadSchedule(const RunConfig& config)
   }
 }
 
-HeadSchedule::HeadSchedule(const RunConfig& config, const EpisodeKey& episode)
+HeadSchedule::HeadSchedule(const RunConfig& config, const numbers::EpisodeKey& episode)
     : HeadSchedule(config) {
   if (config.policy().schedule() == SCHEDULE_SHUFFLED) {
-    order_ = Permutation(static_cast<std::uint32_t>(heads_),
-                         {RandomPurpose::kHeadOrder, episode.seed, episode.number,
-                          static_cast<std::uint64_t>(episode.purpose)});
+    order_ = numbers::Permutation(static_cast<std::uint32_t>(heads_),
+                                  {numbers::RandomPurpose::kHeadOrder, episode.seed, episode.number,
+                                   static_cast<std::uint64_t>(episode.purpose)});
   }
 }
 
@@ -63,4 +63,4 @@ std::int32_t HeadSchedule::ValueHeadAt(std::int32_t t) const {
   return HeadAt(t == horizon_ ? t - 1 : t);
 }
 
-}  // namespace metronome
+}  // namespace metronome::policy

@@ -6,10 +6,10 @@
 #include "common/numbers/episode_key.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::policy {
 
 /// Episode `number` of a training run.
-EpisodeKey TrainingEpisode(const RunConfig& config, std::uint64_t number);
+numbers::EpisodeKey TrainingEpisode(const RunConfig& config, std::uint64_t number);
 
 /// Maps the steps of one episode of T steps to the k heads: a pure function of configuration,
 /// episode and step. t counts the steps already taken, 0..T-1 (the paper counts from 1).
@@ -27,7 +27,7 @@ EpisodeKey TrainingEpisode(const RunConfig& config, std::uint64_t number);
 class HeadSchedule {
  public:
   /// @param config  resolved. @throws std::invalid_argument unless 1 <= policy.heads <= T.
-  HeadSchedule(const RunConfig& config, const EpisodeKey& episode);
+  HeadSchedule(const RunConfig& config, const numbers::EpisodeKey& episode);
 
   /// As in blocks, but block b belongs to head order[b]. A head may have several, or none.
   /// @param order  [k], heads. @throws std::invalid_argument if it has another size or a head
@@ -58,4 +58,4 @@ class HeadSchedule {
   std::vector<std::uint32_t> order_;  // of the blocks' heads; empty: block b belongs to head b
 };
 
-}  // namespace metronome
+}  // namespace metronome::policy

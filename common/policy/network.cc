@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace metronome {
+namespace metronome::policy {
 namespace {
 
 LayerSlice NextLayer(std::int32_t inputs, std::int32_t outputs, std::size_t& offset) {
@@ -59,4 +59,4 @@ NetworkShape ShapeOf(const RunConfig& config) {
   return shape;
 }
 
-}  // namespace metronome
+}  // namespace metronome::policy

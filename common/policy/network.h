@@ -6,7 +6,7 @@
 
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::policy {
 
 /// Shape of actor and critic: separate tanh MLPs of equal widths.
 struct NetworkShape {
@@ -56,4 +56,4 @@ std::size_t ParameterCount(const NetworkShape& shape);
 /// specification asks for.
 NetworkShape ShapeOf(const RunConfig& config);
 
-}  // namespace metronome
+}  // namespace metronome::policy

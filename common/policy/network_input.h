@@ -5,7 +5,7 @@
 
 #include "common/policy/network.h"
 
-namespace metronome {
+namespace metronome::policy {
 
 /// Writes the network's input for one observation: normalised, clipped to +-clip, and - where the
 /// shape asks for it - the time 2t/T-1. Actor and learner share it, so both see equal bits.
@@ -23,4 +23,4 @@ inline void WriteInput(const NetworkShape& shape, const float* observation, cons
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::policy

@@ -8,7 +8,7 @@
 #include "common/policy/gaussian.h"
 #include "common/policy/network_input.h"
 
-namespace metronome {
+namespace metronome::policy {
 namespace {
 
 using Eigen::internal::pload;
@@ -176,4 +176,4 @@ Policy::Decision Policy::ActAround(const HeadSchedule& schedule, const Action& m
   return decision;
 }
 
-}  // namespace metronome
+}  // namespace metronome::policy

@@ -11,7 +11,7 @@
 #include "common/policy/network.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::policy {
 
 /// The policy of one snapshot, one state at a time: what actors act with and what the learner
 /// recomputes, to the last bit, when it checks them. Diagonal Gaussian; the episode's schedule
@@ -93,4 +93,4 @@ class Policy {
   Eigen::VectorXf head_output_;               // padded
 };
 
-}  // namespace metronome
+}  // namespace metronome::policy

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace metronome {
+namespace metronome::policy {
 
 /// Mean and variance of a stream, merged batch by batch in double precision
 /// (Chan, Golub, LeVeque 1979, parallel form). One entry per dimension.
@@ -13,4 +13,4 @@ struct RunningStatistics {
   bool operator==(const RunningStatistics&) const = default;
 };
 
-}  // namespace metronome
+}  // namespace metronome::policy

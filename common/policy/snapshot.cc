@@ -9,7 +9,7 @@
 
 #include "common/policy/network.h"
 
-namespace metronome {
+namespace metronome::policy {
 namespace {
 
 // Of all numbers but log-stds. A layer sums up to 4097 products of a weight and an input, which is
@@ -75,4 +75,4 @@ std::optional<std::string> SnapshotDefect(const PolicySnapshot& snapshot, const 
   return std::nullopt;
 }
 
-}  // namespace metronome
+}  // namespace metronome::policy

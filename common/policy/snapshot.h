@@ -8,7 +8,7 @@
 #include "common/policy/running_statistics.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::policy {
 
 /// What actors act with at `version`; incarnation is left 0 for the sender to fill.
 /// @param actor        the policy's parameters, ActorLayout(ShapeOf(config)).size floats.
@@ -22,4 +22,4 @@ PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor,
 /// that is not finite, though they are. std::nullopt if nothing does, whatever is observed.
 std::optional<std::string> SnapshotDefect(const PolicySnapshot& snapshot, const RunConfig& config);
 
-}  // namespace metronome
+}  // namespace metronome::policy

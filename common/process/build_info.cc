@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 // CMakeLists.txt defines METRONOME_VERSION, METRONOME_ENGINE and METRONOME_FLAGS for this file.
-namespace metronome {
+namespace metronome::process {
 
 std::string EngineName() { return METRONOME_ENGINE; }
 
@@ -23,4 +23,4 @@ std::string BuildIdentity() {
 
 std::string ProjectVersion() { return METRONOME_VERSION; }
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -4,7 +4,7 @@
 
 /// Who computed a number: shown, recorded in checkpoints, and named where one at joining is
 /// refused. Thread-safe.
-namespace metronome {
+namespace metronome::process {
 
 /// The physics that this binary was built against, e.g. "mujoco-2.2.2". Runs never mix engines.
 std::string EngineName();
@@ -18,4 +18,4 @@ std::string BuildIdentity();
 /// "0.1.0": the project's version alone.
 std::string ProjectVersion();
 
-}  // namespace metronome
+}  // namespace metronome::process

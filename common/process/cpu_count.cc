@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace metronome {
+namespace metronome::process {
 namespace {
 
 /// A hierarchy of control groups that can limit CPU time, and our group in it.
@@ -126,4 +126,4 @@ std::optional<std::string> TooManyThreads(int threads, const std::string& option
          " busy (cores, affinity, CPU quota): more threads than that make it slower";
 }
 
-}  // namespace metronome
+}  // namespace metronome::process

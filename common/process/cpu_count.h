@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-namespace metronome {
+namespace metronome::process {
 
 /// CPUs that the control groups of this process give it, 1.5 say: the least quota of its group and
 /// all above it (cgroup v2 cpu.max, v1 cpu.cfs_quota_us over cpu.cfs_period_us); none where no
@@ -19,4 +19,4 @@ int UsableCpus();
 /// would be; std::nullopt otherwise. @param option  what sets the count.
 std::optional<std::string> TooManyThreads(int threads, const std::string& option);
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <ctime>
 
-namespace metronome {
+namespace metronome::process {
 namespace {
 
 constexpr std::array<const char*, static_cast<std::size_t>(CpuUse::kCount)> kNames = {
@@ -52,4 +52,4 @@ std::string CpuTimes::Report() const {
 
 double ThreadCpuSeconds() { return Seconds(CLOCK_THREAD_CPUTIME_ID); }
 
-}  // namespace metronome
+}  // namespace metronome::process

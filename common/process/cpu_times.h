@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-namespace metronome {
+namespace metronome::process {
 
 /// What a process spends its CPU time on. Whatever is not named - middleware threads above all - is
 /// the rest.
@@ -56,4 +56,4 @@ class CpuTimer {
   const double begin_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace metronome {
+namespace metronome::process {
 
 /// How metronome-learner and metronome-actor end. Scripts depend on the numbers.
 enum ExitCode : int {
@@ -13,4 +13,4 @@ enum ExitCode : int {
   kExitSignalBase = 128  // + signal: 130 after SIGINT, 143 after SIGTERM, with a checkpoint
 };
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <system_error>
 
-namespace metronome {
+namespace metronome::process {
 namespace {
 
 namespace fs = std::filesystem;
@@ -159,4 +159,4 @@ void ReplaceSymlink(const std::string& link, const std::string& target) {
   temporary.Commit();
 }
 
-}  // namespace metronome
+}  // namespace metronome::process

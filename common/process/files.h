@@ -5,7 +5,7 @@
 
 /// Files that are whole or not there at all. No function keeps state; thread-safe on distinct
 /// paths. Every error is a std::system_error whose what() names the path.
-namespace metronome {
+namespace metronome::process {
 
 /// The whole content of a file. @throws std::system_error if it cannot be read (a folder, say).
 std::string ReadFile(const std::string& path);
@@ -29,4 +29,4 @@ void WriteFileAtomically(const std::string& path, std::string_view content);
 /// in one step. @throws std::system_error; an older link stays.
 void ReplaceSymlink(const std::string& link, const std::string& target);
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -2,10 +2,10 @@
 
 #include <csignal>
 
-namespace metronome {
+namespace metronome::process {
 
 void IgnoreFileSizeLimit() { std::signal(SIGXFSZ, SIG_IGN); }
 
 void IgnoreLostReaders() { std::signal(SIGPIPE, SIG_IGN); }
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -21,7 +21,7 @@
 #include "common/process/output_thread.h"
 #include "common/text/near_miss.h"
 
-namespace metronome {
+namespace metronome::process {
 namespace {
 
 /// The message as a JSON string, whatever its bytes are.
@@ -99,7 +99,7 @@ class StandardErrorSink final : private StandardError, public ColorSink {
 void RequireKnown(const std::string& kind, const std::string& word,
                   const std::vector<std::string>& words) {
   if (std::find(words.begin(), words.end(), word) != words.end()) return;
-  throw std::invalid_argument(UnknownName(kind, word, words));
+  throw std::invalid_argument(text::UnknownName(kind, word, words));
 }
 
 }  // namespace
@@ -120,4 +120,4 @@ void SetUpLogging(const std::string& process, const LogOptions& options) {
   spdlog::set_default_logger(std::move(logger));
 }
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -4,7 +4,7 @@
 #include <vector>
 
 /// Set-up of spdlog, the one logger of both processes. Afterwards use spdlog::info and the like.
-namespace metronome {
+namespace metronome::process {
 
 /// Accepted level names, most talkative first.
 std::vector<std::string> LogLevels();
@@ -24,4 +24,4 @@ struct LogOptions {
 /// @throws std::invalid_argument for an unknown level or format (names the near miss and the list).
 void SetUpLogging(const std::string& process, const LogOptions& options);
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -13,7 +13,7 @@
 #include <thread>
 #include <utility>
 
-namespace metronome {
+namespace metronome::process {
 namespace {
 
 /// Blocks all signals of this thread, and so of those that it starts, to the end of its scope.
@@ -115,4 +115,4 @@ bool OutputThread::Flush(std::chrono::milliseconds timeout) {
   return written;
 }
 
-}  // namespace metronome
+}  // namespace metronome::process

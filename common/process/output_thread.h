@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-namespace metronome {
+namespace metronome::process {
 
 /// Writes to a file descriptor from a thread of its own, so that a reader who stands still (a
 /// paused terminal, a full pipe) holds up nobody else. What cannot be written (nobody reads any
@@ -40,4 +40,4 @@ class OutputThread {
   std::shared_ptr<State> state_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::process

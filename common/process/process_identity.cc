@@ -5,7 +5,7 @@
 #include <array>
 #include <random>
 
-namespace metronome {
+namespace metronome::process {
 
 std::uint64_t RandomId() {
   std::random_device device;
@@ -17,4 +17,4 @@ std::string HostName() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
-}  // namespace metronome
+}  // namespace metronome::process

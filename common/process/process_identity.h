@@ -4,7 +4,7 @@
 #include <string>
 
 /// What tells one process from the others of a run. Thread-safe.
-namespace metronome {
+namespace metronome::process {
 
 /// 64 bits from the system, anew with each call: of ids, and of keys that nobody else may know.
 std::uint64_t RandomId();
@@ -12,4 +12,4 @@ std::uint64_t RandomId();
 /// What this machine calls itself.
 std::string HostName();
 
-}  // namespace metronome
+}  // namespace metronome::process

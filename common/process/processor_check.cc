@@ -35,7 +35,7 @@ void Say(const char* words) {
 }
 
 bool Needed(const char* name) {
-  for (const char* const* need = metronome::kProcessorNeeds; *need != nullptr; ++need) {
+  for (const char* const* need = metronome::process::kProcessorNeeds; *need != nullptr; ++need) {
     if (strcmp(*need, name) == 0) return true;
   }
   return false;
@@ -54,7 +54,7 @@ bool Needed(const char* name) {
     Say(feature->name);
   }
   Say(", which this build uses (");
-  Say(metronome::kProcessorNeedsReason);
+  Say(metronome::process::kProcessorNeedsReason);
   Say(").\nBuild for it by deploy/setup --march ");
   Say(level >= 4 ? "x86-64-v4" : level == 3 ? "x86-64-v3" : level == 2 ? "x86-64-v2" : "x86-64");
   Say(". All processes of a run need such a build: its results differ in bits from other "

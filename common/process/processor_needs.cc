@@ -2,7 +2,7 @@
 
 // Compiled with the -march of every other source, whose macros therefore say what compilers use.
 // common/CMakeLists.txt defines METRONOME_MARCH, METRONOME_ENGINE and METRONOME_ENGINE_NEEDS_AVX.
-namespace metronome {
+namespace metronome::process {
 
 const char* const kProcessorNeeds[] = {
 #ifdef __SSE3__
@@ -90,4 +90,4 @@ const char* const kProcessorNeeds[] = {
 
 const char* const kProcessorNeedsReason = "-march=" METRONOME_MARCH ", " METRONOME_ENGINE;
 
-}  // namespace metronome
+}  // namespace metronome::process

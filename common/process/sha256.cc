@@ -5,7 +5,7 @@
 #include <bit>
 #include <stdexcept>
 
-namespace metronome {
+namespace metronome::process {
 
 static_assert(std::endian::native == std::endian::little, "float32 bytes are hashed as they lie");
 
@@ -34,4 +34,4 @@ std::string WeightsSha256(const std::vector<float>& parameters) {
       {reinterpret_cast<const char*>(parameters.data()), parameters.size() * sizeof(float)});
 }
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -7,7 +7,7 @@
 #include <vector>
 
 /// SHA-256 (FIPS 180-4), by OpenSSL. Pure functions, thread-safe.
-namespace metronome {
+namespace metronome::process {
 
 using Sha256Digest = std::array<std::uint8_t, 32>;
 
@@ -20,4 +20,4 @@ std::string Sha256Hex(std::string_view bytes);
 /// networks have equal bits.
 std::string WeightsSha256(const std::vector<float>& parameters);
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -12,7 +12,7 @@
 #include <system_error>
 #include <utility>
 
-namespace metronome {
+namespace metronome::process {
 
 namespace {
 
@@ -58,4 +58,4 @@ void SignalWatch::Watch() {
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::process

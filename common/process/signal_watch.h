@@ -3,7 +3,7 @@
 #include <functional>
 #include <thread>
 
-namespace metronome {
+namespace metronome::process {
 
 /// Turns SIGINT, SIGTERM and SIGHUP into calls on an ordinary thread, where anything may be done. A
 /// signal that is ignored when this is made stays ignored (nohup, a shell's background jobs).
@@ -27,4 +27,4 @@ class SignalWatch {
   std::thread thread_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <system_error>
 
-namespace metronome {
+namespace metronome::process {
 
 std::vector<std::thread> StartThreads(std::size_t count,
                                       const std::function<void(std::size_t)>& work,
@@ -49,4 +49,4 @@ void ShareOut(std::size_t count, std::size_t threads, const std::function<Worker
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace metronome {
+namespace metronome::process {
 
 /// Starts `count` threads; thread i runs work(i), which must not throw. They are the caller's to
 /// join.
@@ -26,4 +26,4 @@ using Worker = std::function<void(std::size_t)>;
 void ShareOut(std::size_t count, std::size_t threads, const std::function<Worker()>& make_worker,
               const std::string& option);
 
-}  // namespace metronome
+}  // namespace metronome::process

@@ -8,7 +8,7 @@
 
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::text {
 
 /// A number from `low` to `high` on the command line, read as those of a configuration are. CLI11
 /// by itself takes -1 for 2^64 - 1, 010 for eight, and nan for inside any range. For transform,
@@ -36,4 +36,4 @@ CLI::Validator Number(T low = std::numeric_limits<T>::lowest(),
       "");
 }
 
-}  // namespace metronome
+}  // namespace metronome::text

@@ -6,7 +6,7 @@
 
 #include "common/text/near_miss.h"
 
-namespace metronome {
+namespace metronome::text {
 namespace {
 
 /// Every "--name" that the command takes.
@@ -93,4 +93,4 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* 
   return std::nullopt;
 }
 
-}  // namespace metronome
+}  // namespace metronome::text

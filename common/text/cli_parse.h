@@ -4,7 +4,7 @@
 #include <optional>
 
 /// What both programs add to CLI11: unknown names get their near miss, errors exit 2.
-namespace metronome {
+namespace metronome::text {
 
 /// Parses the command line into `app`, whose subcommands are the program's commands; exactly one
 /// must be given. Prints help to standard output, errors to standard error.
@@ -16,4 +16,4 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* 
 /// Prints `PROGRAM: message` and where help is, line by line, to standard error. @return 2.
 int UsageError(const std::string& program, const std::string& message);
 
-}  // namespace metronome
+}  // namespace metronome::text

@@ -7,7 +7,7 @@
 
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::text {
 namespace {
 
 bool IsHostCharacter(char c) {
@@ -76,4 +76,4 @@ bool IsIpv6(const std::string& text) {
   return inet_pton(AF_INET6, address.c_str(), &numeric) == 1;
 }
 
-}  // namespace metronome
+}  // namespace metronome::text

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace metronome {
+namespace metronome::text {
 
 /// What "HOST[:PORT]" says; nothing is looked up.
 struct HostPort {
@@ -20,4 +20,4 @@ std::vector<HostPort> ParseHostPorts(const std::string& text);
 /// with it.
 bool IsIpv6(const std::string& text);
 
-}  // namespace metronome
+}  // namespace metronome::text

@@ -7,7 +7,7 @@
 #include "common/text/host_port.h"
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::text {
 
 ListenAddress ParseListenAddress(const std::string& text) {
   if (IsIpv6(text)) {
@@ -27,4 +27,4 @@ ListenAddress ParseListenAddress(const std::string& text) {
   return address;
 }
 
-}  // namespace metronome
+}  // namespace metronome::text

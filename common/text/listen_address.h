@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-namespace metronome {
+namespace metronome::text {
 
 /// Where a server of this process listens (TCP).
 struct ListenAddress {
@@ -17,4 +17,4 @@ struct ListenAddress {
 /// @throws std::invalid_argument that says what it must be.
 ListenAddress ParseListenAddress(const std::string& text);
 
-}  // namespace metronome
+}  // namespace metronome::text

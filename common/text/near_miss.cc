@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-namespace metronome {
+namespace metronome::text {
 namespace {
 
 char Fold(char c) {
@@ -89,4 +89,4 @@ std::string UnknownName(std::string_view kind, std::string_view name,
   return message + JoinNames(candidates);
 }
 
-}  // namespace metronome
+}  // namespace metronome::text

@@ -6,7 +6,7 @@
 #include <vector>
 
 /// "Did you mean ...?" for names that people type. Pure functions.
-namespace metronome {
+namespace metronome::text {
 
 /// Insertions, deletions, substitutions and swaps of neighbours that turn `a` into `b` (optimal
 /// string alignment); bytes compare without regard to ASCII case, '_' equals '-'.
@@ -30,4 +30,4 @@ std::string UnknownName(std::string_view kind, std::string_view name,
                         const std::vector<std::string>& candidates,
                         const std::optional<std::string>& near);
 
-}  // namespace metronome
+}  // namespace metronome::text

@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace metronome {
+namespace metronome::text {
 
 std::string FormatNumber(double value) {
   std::array<char, 32> text{};
@@ -10,4 +10,4 @@ std::string FormatNumber(double value) {
   return std::string(text.data(), end);
 }
 
-}  // namespace metronome
+}  // namespace metronome::text

@@ -7,7 +7,7 @@
 #include <system_error>
 
 /// Numbers to and from text, free of locale. Pure functions.
-namespace metronome {
+namespace metronome::text {
 
 /// Shortest text that reads back as the same double ("0.1", "5e-04", "nan", "inf").
 std::string FormatNumber(double value);
@@ -22,4 +22,4 @@ std::optional<T> ParseNumber(std::string_view text) {
   return value;
 }
 
-}  // namespace metronome
+}  // namespace metronome::text

@@ -11,7 +11,7 @@
 #include "learner/algorithm/metric.h"
 #include "learner/algorithm/update_report.h"
 
-namespace metronome {
+namespace metronome::algorithm {
 
 /// A loss, gradient or parameter of an update is not finite, or actions of the new policy may not
 /// be.
@@ -28,14 +28,14 @@ class Algorithm {
   virtual ~Algorithm() = default;
 
   /// Not while Update runs.
-  [[nodiscard]] virtual const RunCounters& counters() const = 0;
+  [[nodiscard]] virtual const checkpoint::RunCounters& counters() const = 0;
   /// Learns from the E episodes, of any length each, of batch counters().version, in number order.
   /// Takes seconds; called on another thread than the rest.
   /// @throws NonFiniteUpdate, the state unchanged.
   virtual UpdateReport Update(const std::vector<Episode>& batch) = 0;
   /// For a checkpoint; without the canonical digest, which is not the algorithm's. Not while Update
   /// runs.
-  [[nodiscard]] virtual TrainState State() const = 0;
+  [[nodiscard]] virtual checkpoint::TrainState State() const = 0;
 
   /// What actors act with at this version, and at the version before (not at version 0; of use with
   /// collection.overlap 1 alone). Not while Update runs.
@@ -51,4 +51,4 @@ class Algorithm {
   [[nodiscard]] virtual std::vector<Metric> Metrics() const = 0;
 };
 
-}  // namespace metronome
+}  // namespace metronome::algorithm

@@ -5,19 +5,20 @@
 #include "common/config/config.h"
 #include "common/text/near_miss.h"
 
-namespace metronome {
+namespace metronome::algorithm {
 
 const AlgorithmFactory& FactoryOf(const Algorithms& algorithms, const RunConfig& config) {
-  const std::string name = AlgorithmName(config);
+  const std::string name = config::AlgorithmName(config);
   if (const auto found = algorithms.find(name); found != algorithms.end()) return *found->second;
   std::vector<std::string> known;
   known.reserve(algorithms.size());
   for (const auto& [other, factory] : algorithms) known.push_back(other);
   throw std::invalid_argument("this learner has no such algorithm: " +
-                              UnknownName("algorithm", name, known));
+                              text::UnknownName("algorithm", name, known));
 }
 
-void RequireFormat(const AlgorithmState& state, const std::string& name, std::uint32_t newest) {
+void RequireFormat(const checkpoint::AlgorithmState& state, const std::string& name,
+                   std::uint32_t newest) {
   if (state.name != name) {
     throw UnusableState("its state is of the algorithm " + state.name + ", this run's is " + name);
   }
@@ -27,4 +28,4 @@ void RequireFormat(const AlgorithmState& state, const std::string& name, std::ui
                       "; use a build that knows it");
 }
 
-}  // namespace metronome
+}  // namespace metronome::algorithm

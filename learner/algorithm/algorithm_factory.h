@@ -10,7 +10,7 @@
 #include "common/schema/config.pb.h"
 #include "learner/algorithm/algorithm.h"
 
-namespace metronome {
+namespace metronome::algorithm {
 
 /// The algorithm cannot go on from a state: of a format that this build does not know, or of
 /// another shape than the configuration's. what() does not name the file.
@@ -35,11 +35,11 @@ class AlgorithmFactory {
   ///                of the same algorithm and network shape.
   /// @throws UnusableState for `source`, std::invalid_argument if the algorithm's own settings
   ///         cannot be as they are.
-  [[nodiscard]] virtual TrainState InitialState(const RunConfig& config,
-                                                const TrainState* source) const = 0;
+  [[nodiscard]] virtual checkpoint::TrainState InitialState(
+      const RunConfig& config, const checkpoint::TrainState* source) const = 0;
   /// The algorithm at `state`. @throws UnusableState, std::invalid_argument as above.
   [[nodiscard]] virtual std::unique_ptr<Algorithm> Make(
-      const RunConfig& config, const TrainState& state,
+      const RunConfig& config, const checkpoint::TrainState& state,
       const AlgorithmResources& resources) const = 0;
 };
 
@@ -50,6 +50,7 @@ using Algorithms = std::map<std::string, std::shared_ptr<const AlgorithmFactory>
 const AlgorithmFactory& FactoryOf(const Algorithms& algorithms, const RunConfig& config);
 
 /// @throws UnusableState unless the state is the algorithm's and of a format from 1 to `newest`.
-void RequireFormat(const AlgorithmState& state, const std::string& name, std::uint32_t newest);
+void RequireFormat(const checkpoint::AlgorithmState& state, const std::string& name,
+                   std::uint32_t newest);
 
-}  // namespace metronome
+}  // namespace metronome::algorithm

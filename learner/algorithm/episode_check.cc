@@ -11,7 +11,7 @@
 #include "common/policy/network.h"
 #include "common/policy/policy.h"
 
-namespace metronome {
+namespace metronome::algorithm {
 namespace {
 
 bool AllWithin(const std::vector<float>& values, float bound) {
@@ -52,10 +52,10 @@ std::optional<std::string> CheckShape(const Episode& episode,
 }
 
 std::optional<std::string> CheckFinite(const Episode& episode) {
-  if (!AllFinite(episode.observation)) return "an observation is not finite";
-  if (!AllFinite(episode.action)) return "an action is not finite";
-  if (!AllFinite(episode.log_prob)) return "a log-probability is not finite";
-  if (!AllFinite(episode.reward)) return "a reward is not finite";
+  if (!numbers::AllFinite(episode.observation)) return "an observation is not finite";
+  if (!numbers::AllFinite(episode.action)) return "an action is not finite";
+  if (!numbers::AllFinite(episode.log_prob)) return "a log-probability is not finite";
+  if (!numbers::AllFinite(episode.reward)) return "a reward is not finite";
   return std::nullopt;
 }
 
@@ -66,7 +66,8 @@ std::optional<std::string> CheckRange(const Episode& episode) {
   return std::nullopt;
 }
 
-std::optional<std::string> CheckHeads(const Episode& episode, const HeadSchedule& schedule) {
+std::optional<std::string> CheckHeads(const Episode& episode,
+                                      const policy::HeadSchedule& schedule) {
   for (std::int32_t t = 0; t < episode.length(); ++t) {
     const std::uint16_t head = episode.head[std::size_t(t)];
     if (head == schedule.HeadAt(t)) continue;
@@ -100,9 +101,9 @@ bool Equal(float given, float expected, double tolerance) {
 struct Recomputation {
   const Episode& episode;
   const RunConfig& config;
-  const HeadSchedule& schedule;
-  Policy& policy;
-  ActionNoise noise;
+  const policy::HeadSchedule& schedule;
+  policy::Policy& policy;
+  policy::ActionNoise noise;
   std::size_t observation_size = std::size_t(config.environment().spec().observation_size());
   std::size_t action_size = std::size_t(config.environment().spec().action_size());
 
@@ -112,8 +113,9 @@ struct Recomputation {
 };
 
 std::optional<std::string> CheckStep(Recomputation& of, std::int32_t t,
-                                     const Policy::Action& mean) {
-  const Policy::Decision expected = of.policy.ActAround(of.schedule, mean, t, of.noise.At(t));
+                                     const policy::Policy::Action& mean) {
+  const policy::Policy::Decision expected =
+      of.policy.ActAround(of.schedule, mean, t, of.noise.At(t));
   const double tolerance = of.config.collection().check_tolerance();
   const auto at = std::size_t(t);
   bool equal = Equal(of.episode.log_prob[at], expected.log_prob, tolerance);
@@ -129,9 +131,9 @@ std::optional<std::string> CheckStep(Recomputation& of, std::int32_t t,
 
 std::optional<std::string> CheckEveryStep(Recomputation& of) {
   std::int32_t t = 0;
-  for (; t + Policy::kStates <= of.episode.length(); t += Policy::kStates) {
+  for (; t + policy::Policy::kStates <= of.episode.length(); t += policy::Policy::kStates) {
     const auto means = of.policy.Means(of.schedule, of.ObservationAt(t), t);
-    for (int i = 0; i < Policy::kStates; ++i) {
+    for (int i = 0; i < policy::Policy::kStates; ++i) {
       if (auto reason = CheckStep(of, t + i, means[i])) return reason;
     }
   }
@@ -144,7 +146,8 @@ std::optional<std::string> CheckEveryStep(Recomputation& of) {
 
 std::optional<std::string> CheckSample(Recomputation& of, std::uint64_t key) {
   for (std::int32_t t = 0; t < of.episode.length(); ++t) {
-    RandomStream random(RandomPurpose::kCheck, key, of.episode.number, std::uint64_t(t));
+    numbers::RandomStream random(numbers::RandomPurpose::kCheck, key, of.episode.number,
+                                 std::uint64_t(t));
     if (random.Uniform() >= of.config.collection().check_share()) continue;
     const auto mean = of.policy.Mean(of.schedule, of.ObservationAt(t), t);
     if (auto reason = CheckStep(of, t, mean)) return reason;
@@ -154,7 +157,7 @@ std::optional<std::string> CheckSample(Recomputation& of, std::uint64_t key) {
 
 }  // namespace
 
-std::optional<std::string> CheckEpisode(const Episode& episode, Policy& policy,
+std::optional<std::string> CheckEpisode(const Episode& episode, policy::Policy& policy,
                                         const RunConfig& config, std::uint64_t key) {
   if (episode.weights_version != policy.version()) {
     return "weights version " + std::to_string(episode.weights_version) + " instead of " +
@@ -163,11 +166,11 @@ std::optional<std::string> CheckEpisode(const Episode& episode, Policy& policy,
   if (auto reason = CheckShape(episode, config.environment())) return reason;
   if (auto reason = CheckFinite(episode)) return reason;
   if (auto reason = CheckRange(episode)) return reason;
-  const HeadSchedule schedule(config, TrainingEpisode(config, episode.number));
+  const policy::HeadSchedule schedule(config, policy::TrainingEpisode(config, episode.number));
   if (auto reason = CheckHeads(episode, schedule)) return reason;
   if (auto reason = CheckFlags(episode, config.environment().spec())) return reason;
-  Recomputation of{episode, config, schedule, policy, ActionNoise(config, episode.number)};
+  Recomputation of{episode, config, schedule, policy, policy::ActionNoise(config, episode.number)};
   return config.collection().check_share() >= 1 ? CheckEveryStep(of) : CheckSample(of, key);
 }
 
-}  // namespace metronome
+}  // namespace metronome::algorithm

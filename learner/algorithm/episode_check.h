@@ -7,7 +7,7 @@
 #include "common/policy/policy.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::algorithm {
 
 /// Magnitudes beyond which an environment's numbers are taken for a fault: Meta-World's rewards are
 /// at most 10 (before ppo.success_reward, which the learner adds itself), its observations metres
@@ -23,7 +23,7 @@ inline constexpr float kLargestObservation = 1e6F;
 ///                actor may know it, so not the run's seed.
 /// @param policy  of the version that the episode should have been played under; its scratch space
 ///                is used. One thread at a time.
-std::optional<std::string> CheckEpisode(const Episode& episode, Policy& policy,
+std::optional<std::string> CheckEpisode(const Episode& episode, policy::Policy& policy,
                                         const RunConfig& config, std::uint64_t key);
 
-}  // namespace metronome
+}  // namespace metronome::algorithm

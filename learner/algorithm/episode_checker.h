@@ -14,7 +14,7 @@
 #include "common/schema/config.pb.h"
 #include "learner/algorithm/episode_check.h"
 
-namespace metronome {
+namespace metronome::algorithm {
 
 /// CheckEpisode for episodes of several versions in turn (overlap), thousands of each. Not
 /// thread-safe.
@@ -24,15 +24,15 @@ class EpisodeChecker {
   EpisodeChecker(RunConfig config, std::uint64_t key) : config_(std::move(config)), key_(key) {}
 
   std::optional<std::string> Check(const Episode& episode, const PolicySnapshot& snapshot) {
-    const CpuTimer timer(CpuUse::kCheck);
+    const process::CpuTimer timer(process::CpuUse::kCheck);
     return CheckEpisode(episode, PolicyOf(snapshot), config_, key_);
   }
 
  private:
-  Policy& PolicyOf(const PolicySnapshot& snapshot) {
-    const auto known = std::find_if(policies_.begin(), policies_.end(), [&](const Policy& policy) {
-      return policy.version() == snapshot.version;
-    });
+  policy::Policy& PolicyOf(const PolicySnapshot& snapshot) {
+    const auto known = std::find_if(
+        policies_.begin(), policies_.end(),
+        [&](const policy::Policy& policy) { return policy.version() == snapshot.version; });
     if (known != policies_.end()) return *known;
     if (policies_.size() == 2) policies_.pop_front();
     return policies_.emplace_back(config_, snapshot);
@@ -40,7 +40,7 @@ class EpisodeChecker {
 
   RunConfig config_;
   std::uint64_t key_;
-  std::deque<Policy> policies_;  // of the latest versions checked
+  std::deque<policy::Policy> policies_;  // of the latest versions checked
 };
 
-}  // namespace metronome
+}  // namespace metronome::algorithm

@@ -4,7 +4,7 @@
 #include <string>
 #include <variant>
 
-namespace metronome {
+namespace metronome::algorithm {
 
 /// One number of an update, for progress.csv and TensorBoard.
 struct Metric {
@@ -14,4 +14,4 @@ struct Metric {
   std::string meaning;  // for people, as learner/README.md has it
 };
 
-}  // namespace metronome
+}  // namespace metronome::algorithm

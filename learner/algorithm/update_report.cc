@@ -2,19 +2,20 @@
 
 #include <algorithm>
 
-namespace metronome {
+namespace metronome::algorithm {
 
-RunCounters CountersAfter(const RunCounters& before, const std::vector<Episode>& batch) {
-  RunCounters after = before;
+checkpoint::RunCounters CountersAfter(const checkpoint::RunCounters& before,
+                                      const std::vector<Episode>& batch) {
+  checkpoint::RunCounters after = before;
   ++after.version;
   after.episodes_used += batch.size();
   for (const Episode& episode : batch) after.steps += std::uint64_t(episode.length());
   return after;
 }
 
-UpdateReport ReportOf(const RunCounters& after, const std::vector<Episode>& batch) {
+UpdateReport ReportOf(const checkpoint::RunCounters& after, const std::vector<Episode>& batch) {
   UpdateReport report;
-  static_cast<RunCounters&>(report) = after;
+  static_cast<checkpoint::RunCounters&>(report) = after;
   for (const Episode& episode : batch) {
     for (const float reward : episode.reward) report.mean_return += reward;
     report.success += std::any_of(episode.flags.begin(), episode.flags.end(),
@@ -28,4 +29,4 @@ UpdateReport ReportOf(const RunCounters& after, const std::vector<Episode>& batc
   return report;
 }
 
-}  // namespace metronome
+}  // namespace metronome::algorithm

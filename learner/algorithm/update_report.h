@@ -6,11 +6,11 @@
 #include "common/messages/episode.h"
 #include "learner/algorithm/metric.h"
 
-namespace metronome {
+namespace metronome::algorithm {
 
 /// What one update saw and did: a pure function of state and batch. The counters are those after
 /// the update.
-struct UpdateReport : RunCounters {
+struct UpdateReport : checkpoint::RunCounters {
   double mean_return = 0;       // undiscounted episode return, mean over the batch
   double success = 0;           // share of episodes with success at any step
   double success_end = 0;       // share with success at the last step
@@ -18,9 +18,10 @@ struct UpdateReport : RunCounters {
 };
 
 /// The counters after one more update, from `batch`.
-RunCounters CountersAfter(const RunCounters& before, const std::vector<Episode>& batch);
+checkpoint::RunCounters CountersAfter(const checkpoint::RunCounters& before,
+                                      const std::vector<Episode>& batch);
 
 /// All of a report but the algorithm's own metrics. @param batch  not empty.
-UpdateReport ReportOf(const RunCounters& after, const std::vector<Episode>& batch);
+UpdateReport ReportOf(const checkpoint::RunCounters& after, const std::vector<Episode>& batch);
 
-}  // namespace metronome
+}  // namespace metronome::algorithm

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace metronome {
+namespace metronome::collect {
 namespace {
 
 constexpr std::size_t kMaxReasonLength = 4096;  // idl/metronome.idl
@@ -17,7 +17,7 @@ std::string NameIn(const ActorStatus& status) {
 }  // namespace
 
 ActorRegistry::ActorRegistry(const RunDescription& description, const std::string& digest,
-                             LearnerBus* bus, Trust* trust)
+                             LearnerBus* bus, trust::Trust* trust)
     : incarnation_(description.incarnation),
       admission_(description, digest),
       bus_(*bus),
@@ -39,14 +39,14 @@ ActorRegistry::Verdict ActorRegistry::Hear(const ActorStatus& status, TimePoint 
     return Verdict::kRefused;
   }
   if (decision.verdict != Admission::Verdict::kAdmit) return Verdict::kNotYet;
-  const Trust::Probation probation = trust_.Join(actor_id, status.vouched_host, now);
+  const trust::Trust::Probation probation = trust_.Join(actor_id, status.vouched_host, now);
   if (!actors_.contains(actor_id)) Welcome(status, probation, now);
   actors_[actor_id] = {NameIn(status), status.vouched_host, now, status.episodes_done,
                        status.steps_per_second};
   return Verdict::kAdmitted;
 }
 
-void ActorRegistry::Welcome(const ActorStatus& status, const Trust::Probation& probation,
+void ActorRegistry::Welcome(const ActorStatus& status, const trust::Trust::Probation& probation,
                             TimePoint now) const {
   spdlog::info("actor {} joins with {} slot{}, from {}", NameIn(status), status.slots,
                status.slots == 1 ? "" : "s", status.vouched_host);
@@ -96,8 +96,8 @@ std::map<std::uint64_t, std::string> ActorRegistry::NamesOn(const std::string& h
   return names;
 }
 
-std::vector<ActorReport> ActorRegistry::Report(const Roster& roster, const EpisodeCounts& counts,
-                                               TimePoint now) const {
+std::vector<ActorReport> ActorRegistry::Report(const orders::Roster& roster,
+                                               const EpisodeCounts& counts, TimePoint now) const {
   const auto seconds_since = [now](TimePoint then) {
     return std::chrono::duration<double>(now - then).count();
   };
@@ -111,11 +111,11 @@ std::vector<ActorReport> ActorRegistry::Report(const Roster& roster, const Episo
     report.steps_per_second = actor.steps_per_second;
     report.silent_seconds = seconds_since(actor.heard);
     report.orders = seat.orders.size();
-    for (const Roster::Order& order : seat.orders) {
+    for (const orders::Roster::Order& order : seat.orders) {
       report.oldest_order_seconds =
           std::max(report.oldest_order_seconds, seconds_since(order.since));
     }
-    const Trust::State trust = trust_.StateOf(id, now);
+    const trust::Trust::State trust = trust_.StateOf(id, now);
     report.on_probation = trust.on_probation;
     report.unanswering = trust.silent;
     if (const auto by = counts.by_actor.find(actor.name); by != counts.by_actor.end()) {
@@ -127,4 +127,4 @@ std::vector<ActorReport> ActorRegistry::Report(const Roster& roster, const Episo
   return reports;
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect

@@ -14,7 +14,7 @@
 #include "learner/collect/orders/roster.h"
 #include "learner/collect/trust/trust.h"
 
-namespace metronome {
+namespace metronome::collect {
 
 /// The actors of a run: who is admitted, what each is called and last said of itself, and how those
 /// who are turned away are told. Not thread-safe. Bus errors pass through.
@@ -25,7 +25,7 @@ class ActorRegistry {
   /// @param description  what the learner publishes. @param digest  the checkpoint's canonical
   /// digest, empty at first. @param bus, trust  must outlive the registry.
   ActorRegistry(const RunDescription& description, const std::string& digest, LearnerBus* bus,
-                Trust* trust);
+                trust::Trust* trust);
 
   enum class Verdict { kAdmitted, kNotYet, kRefused };
   /// Judges the actor anew and, if it is refused, tells it so.
@@ -44,8 +44,8 @@ class ActorRegistry {
   /// Of the run's canonical episode.
   [[nodiscard]] const std::string& digest() const { return admission_.digest(); }
   /// Those of `roster`, for people who watch.
-  [[nodiscard]] std::vector<ActorReport> Report(const Roster& roster, const EpisodeCounts& counts,
-                                                TimePoint now) const;
+  [[nodiscard]] std::vector<ActorReport> Report(const orders::Roster& roster,
+                                                const EpisodeCounts& counts, TimePoint now) const;
 
  private:
   /// What an admitted actor last said of itself.
@@ -56,14 +56,15 @@ class ActorRegistry {
     std::uint64_t episodes_done = 0;
     double steps_per_second = 0;
   };
-  void Welcome(const ActorStatus& status, const Trust::Probation& probation, TimePoint now) const;
+  void Welcome(const ActorStatus& status, const trust::Trust::Probation& probation,
+               TimePoint now) const;
   void SendRefusal(std::uint64_t actor_id, const std::string& reason);
 
   std::uint64_t incarnation_;
   Admission admission_;
   LearnerBus& bus_;
-  Trust& trust_;
+  trust::Trust& trust_;
   std::map<std::uint64_t, Actor> actors_;  // that were admitted and are there
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace metronome {
+namespace metronome::collect {
 namespace {
 
 // Both builds and what they differ in must fit into a refusal (idl/metronome.idl).
@@ -60,4 +60,4 @@ std::string Admission::DigestComplaint(const ActorStatus& status) const {
          "; use the same build on a processor and C library of the same kind";
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect

@@ -5,7 +5,7 @@
 
 #include "common/messages/messages.h"
 
-namespace metronome {
+namespace metronome::collect {
 
 /// Decides which actors may play for a run. Pure logic; not thread-safe.
 class Admission {
@@ -41,4 +41,4 @@ class Admission {
   std::string digest_from_;  // who brought the digest
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect

@@ -2,24 +2,24 @@
 
 #include <utility>
 
-namespace metronome {
+namespace metronome::collect {
 namespace {
 
 constexpr std::chrono::seconds kPatience{5};  // with who is to play an episode again
 
 }  // namespace
 
-AuditDesk::AuditDesk(const AuditRules& rules, NumberBook* book, const OrderPlan* plan,
-                     BatchStore* batches)
+AuditDesk::AuditDesk(const trust::AuditRules& rules, orders::NumberBook* book,
+                     const orders::OrderPlan* plan, BatchStore* batches)
     : audit_(rules), book_(*book), plan_(*plan), batches_(*batches) {}
 
-AuditDesk::Ruling AuditDesk::Hear(Audit::Opinion opinion) {
+AuditDesk::Ruling AuditDesk::Hear(trust::Audit::Opinion opinion) {
   const std::uint64_t number = opinion.episode.number;
-  const NumberBook::Player player{opinion.actor_id, opinion.host};
+  const orders::NumberBook::Player player{opinion.actor_id, opinion.host};
   if (!audit_.IsChosen(number)) {
     return {Settled{player.actor_id, std::move(opinion.episode), {player.host}}, {}, false};
   }
-  Audit::Verdict verdict = audit_.Hear(std::move(opinion));
+  trust::Audit::Verdict verdict = audit_.Hear(std::move(opinion));
   Ruling ruling{std::nullopt, std::move(verdict.guilty), verdict.disputed};
   if (verdict.settled) {
     ruling.settled = Settled{verdict.settled->actor_id, std::move(verdict.settled->episode),
@@ -51,7 +51,7 @@ std::vector<Settled> AuditDesk::SettleLonely(TimePoint now) {
   }
   std::vector<Settled> settled;
   for (const std::uint64_t number : lonely) {
-    Audit::Opinion only = audit_.SettleAlone(number);
+    trust::Audit::Opinion only = audit_.SettleAlone(number);
     settled.push_back({only.actor_id, std::move(only.episode), {only.host}});
   }
   return settled;
@@ -72,9 +72,9 @@ void AuditDesk::Disregard(const std::string& host) {
   }
 }
 
-std::string AuditDesk::Text(const ExcludedHosts& excluded) const {
+std::string AuditDesk::Text(const trust::ExcludedHosts& excluded) const {
   if (!audit_.on()) return "";
-  const Audit::Counts& counts = audit_.counts();
+  const trust::Audit::Counts& counts = audit_.counts();
   std::string text = "audit: " + std::to_string(counts.agreed) +
                      " episodes were played by two actors and agree in every bit, " +
                      std::to_string(counts.alone) + " more had nobody to play them again, " +
@@ -85,4 +85,4 @@ std::string AuditDesk::Text(const ExcludedHosts& excluded) const {
   return text;
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect

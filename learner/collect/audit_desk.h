@@ -13,7 +13,7 @@
 #include "learner/collect/trust/audit.h"
 #include "learner/collect/trust/excluded_hosts.h"
 
-namespace metronome {
+namespace metronome::collect {
 
 /// An episode that stands.
 struct Settled {
@@ -36,10 +36,11 @@ class AuditDesk {
   };
 
   /// All but the rules must outlive the desk.
-  AuditDesk(const AuditRules& rules, NumberBook* book, const OrderPlan* plan, BatchStore* batches);
+  AuditDesk(const trust::AuditRules& rules, orders::NumberBook* book, const orders::OrderPlan* plan,
+            BatchStore* batches);
 
   /// Of an episode that has arrived and passed its check.
-  Ruling Hear(Audit::Opinion opinion);
+  Ruling Hear(trust::Audit::Opinion opinion);
   /// Where nobody else can play an audited episode the run goes on without: it is counted. But
   /// first it waits a little: others may be on their way, at the start or after a fall.
   std::vector<Settled> SettleLonely(TimePoint now);
@@ -54,15 +55,15 @@ class AuditDesk {
   void Learnt(std::uint64_t first_left) { audit_.Learnt(first_left); }
 
   /// What was found, for people; empty if nothing is audited.
-  [[nodiscard]] std::string Text(const ExcludedHosts& excluded) const;
+  [[nodiscard]] std::string Text(const trust::ExcludedHosts& excluded) const;
 
  private:
-  Audit audit_;
-  NumberBook& book_;
-  const OrderPlan& plan_;
+  trust::Audit audit_;
+  orders::NumberBook& book_;
+  const orders::OrderPlan& plan_;
   BatchStore& batches_;
   std::optional<TimePoint> lonely_since_;  // nobody is there to play audited episodes again
   std::optional<TimePoint> due_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect

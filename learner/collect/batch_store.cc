@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace metronome {
+namespace metronome::collect {
 BatchStore::BatchStore(std::uint64_t episodes_per_update, std::uint64_t updates_before)
     : episodes_per_update_(episodes_per_update),
       entered_(updates_before * episodes_per_update, 1),
@@ -63,4 +63,4 @@ BatchStore::Accounting BatchStore::Account(std::uint64_t updates) const {
   return accounting;
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect

@@ -8,7 +8,7 @@
 
 #include "common/messages/episode.h"
 
-namespace metronome {
+namespace metronome::collect {
 
 /// The accepted episodes, batch by batch, and the count of how often each number of the run entered
 /// an update. Not thread-safe; batches that were taken are shared read-only.
@@ -52,4 +52,4 @@ class BatchStore {
   Batch taken_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect

@@ -7,7 +7,7 @@
 
 #include "learner/collect/trust/same_bits.h"
 
-namespace metronome {
+namespace metronome::collect {
 namespace {
 
 constexpr std::size_t kMaxNumbersPerOrder = 1024;  // idl/metronome.idl
@@ -27,8 +27,9 @@ std::string Shown(const std::map<std::uint64_t, std::string>& names) {
 
 }  // namespace
 
-Collector::Collector(LearnerBus& bus, const Algorithm& algorithm, const RunDescription& description,
-                     const CollectRules& rules, const std::string& digest, ExcludedHosts excluded)
+Collector::Collector(LearnerBus& bus, const algorithm::Algorithm& algorithm,
+                     const RunDescription& description, const CollectRules& rules,
+                     const std::string& digest, trust::ExcludedHosts excluded)
     : bus_(bus),
       algorithm_(algorithm),
       incarnation_(description.incarnation),
@@ -78,14 +79,14 @@ void Collector::OnLost(std::uint64_t actor_id, TimePoint now) {
 // The way of an episode from the wire to its batch: for this learner? from one that may speak?
 // asked for? right? does it stand, or is another to play it too? Then it is booked and kept.
 void Collector::OnEpisode(EpisodeMessage message, TimePoint now) {
-  using Standing = NumberBook::Claim::Standing;
+  using Standing = orders::NumberBook::Claim::Standing;
   const std::uint64_t actor_id = message.actor_id;
   const std::uint64_t number = message.episode.number;
   if (message.incarnation != incarnation_) {
     ++counts_.stale;
     return;
   }
-  const NumberBook::Claim claim = book_.ClaimOf(number, actor_id);
+  const orders::NumberBook::Claim claim = book_.ClaimOf(number, actor_id);
   // Its host too: an actor that was lost before that was excluded is not refused itself, and may
   // not be dead.
   if (trust_.RefusalOf(actor_id) != nullptr || trust_.ExclusionOf(claim.host) != nullptr) {
@@ -122,7 +123,7 @@ void Collector::OnBadSample(const BadSample& sample, TimePoint now) {
 // A number that has been brought before.
 void Collector::Compare(const Episode& episode, std::uint64_t actor_id, TimePoint now) {
   const Episode* kept = batches_.Find(episode.number);
-  const bool differs = kept != nullptr && !SameBits(*kept, episode);
+  const bool differs = kept != nullptr && !trust::SameBits(*kept, episode);
   counts_.CountDuplicate(registry_.NameOf(actor_id, "lost actors"), differs);
   plan_.Free(episode.number, actor_id, now);
   if (!differs) return;
@@ -190,7 +191,7 @@ std::optional<Collector::TimePoint> Collector::SendOrders(TimePoint now) {
 }
 
 void Collector::SendPlan(TimePoint now) {
-  for (const Assignment& assignment : plan_.HandOut(now)) {
+  for (const orders::Assignment& assignment : plan_.HandOut(now)) {
     EpisodeOrder order;
     order.incarnation = incarnation_;
     order.actor_id = assignment.actor_id;
@@ -236,4 +237,4 @@ std::string Collector::Called(std::uint64_t actor_id) const {
   return registry_.NameOf(actor_id, "unknown actor " + std::to_string(actor_id));
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect

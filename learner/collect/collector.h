@@ -18,13 +18,13 @@
 #include "learner/collect/orders/order_plan.h"
 #include "learner/collect/trust/trust.h"
 
-namespace metronome {
+namespace metronome::collect {
 
 /// Whom to ask for what, and whom to believe.
 struct CollectRules {
-  OrderRules orders;
-  TrustRules trust;
-  AuditRules audit;
+  orders::OrderRules orders;
+  trust::TrustRules trust;
+  trust::AuditRules audit;
 };
 
 /// Gathers the batches of a run: sends orders, and takes each episode that comes the one way from
@@ -37,8 +37,9 @@ class Collector {
   /// @param description  what the learner publishes.
   /// @param digest       the checkpoint's canonical digest, empty at first.
   /// @param excluded     by earlier starts of the learner.
-  Collector(LearnerBus& bus, const Algorithm& algorithm, const RunDescription& description,
-            const CollectRules& rules, const std::string& digest, ExcludedHosts excluded);
+  Collector(LearnerBus& bus, const algorithm::Algorithm& algorithm,
+            const RunDescription& description, const CollectRules& rules, const std::string& digest,
+            trust::ExcludedHosts excluded);
 
   void OnStatus(const ActorStatus& status, TimePoint now);
   void OnLost(std::uint64_t actor_id, TimePoint now);
@@ -65,7 +66,7 @@ class Collector {
 
   /// For people who watch.
   [[nodiscard]] const EpisodeCounts& counts() const { return counts_; }
-  [[nodiscard]] const Roster& roster() const { return plan_.roster(); }
+  [[nodiscard]] const orders::Roster& roster() const { return plan_.roster(); }
   [[nodiscard]] std::vector<ActorReport> ReportActors(TimePoint now) const {
     return registry_.Report(roster(), counts_, now);
   }
@@ -77,7 +78,7 @@ class Collector {
   }
   /// For whoever keeps them.
   [[nodiscard]] const std::string& digest() const { return registry_.digest(); }
-  [[nodiscard]] const ExcludedHosts& excluded() const { return trust_.excluded(); }
+  [[nodiscard]] const trust::ExcludedHosts& excluded() const { return trust_.excluded(); }
 
  private:
   void Drop(std::uint64_t actor_id, const std::string& reason, TimePoint now);
@@ -96,13 +97,13 @@ class Collector {
   [[nodiscard]] std::string Called(std::uint64_t actor_id) const;
 
   LearnerBus& bus_;
-  const Algorithm& algorithm_;
+  const algorithm::Algorithm& algorithm_;
   std::uint64_t incarnation_;
-  OrderRules rules_;
-  Trust trust_;
+  orders::OrderRules rules_;
+  trust::Trust trust_;
   ActorRegistry registry_;
-  NumberBook book_;
-  OrderPlan plan_;
+  orders::NumberBook book_;
+  orders::OrderPlan plan_;
   BatchStore batches_;
   AuditDesk desk_;
   EpisodeCounts counts_;
@@ -111,4 +112,4 @@ class Collector {
   std::uint64_t slots_warned_of_ = 0;
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect

@@ -3,7 +3,7 @@
 #include <cctype>
 #include <cstddef>
 
-namespace metronome {
+namespace metronome::collect {
 namespace {
 
 // Whoever sends garbage must not make us keep ever more of it.
@@ -55,4 +55,4 @@ void EpisodeCounts::KeepActors(const std::set<std::string>& present) {
   std::erase_if(by_actor, [&](const auto& entry) { return !present.contains(entry.first); });
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect

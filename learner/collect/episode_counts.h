@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-namespace metronome {
+namespace metronome::collect {
 
 /// What became of orders and samples since this process started.
 struct EpisodeCounts {
@@ -36,4 +36,4 @@ struct EpisodeCounts {
   void KeepActors(const std::set<std::string>& present);
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect

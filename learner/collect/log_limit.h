@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace metronome {
+namespace metronome::collect {
 
 /// Keeps a flood of like complaints out of the log: lets `burst` of them pass per `period`.
 /// Pure logic on given time points; not thread-safe.
@@ -45,4 +45,4 @@ class LogLimit {
   std::uint64_t withheld_ = 0;
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace metronome {
+namespace metronome::ppo {
 
 void ApplyAdam(const AdamStep& adam, const float* __restrict gradient, float* __restrict parameter,
                float* __restrict m, float* __restrict v, std::size_t count) {
@@ -19,4 +19,4 @@ void ApplyAdam(const AdamStep& adam, const float* __restrict gradient, float* __
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

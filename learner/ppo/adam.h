@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// One step's constants of Adam (Kingma, Ba, arXiv:1412.6980, algorithm 1).
 struct AdamStep {
@@ -19,4 +19,4 @@ struct AdamStep {
 void ApplyAdam(const AdamStep& adam, const float* gradient, float* parameter, float* m, float* v,
                std::size_t count);
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <stdexcept>
 
-namespace metronome {
+namespace metronome::ppo {
 
 GaeResult ComputeGae(const std::vector<float>& reward, const std::vector<float>& value,
                      float final_value, const GaeParameters& parameters) {
@@ -25,4 +25,4 @@ GaeResult ComputeGae(const std::vector<float>& reward, const std::vector<float>&
   return result;
 }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

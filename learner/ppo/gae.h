@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace metronome {
+namespace metronome::ppo {
 
 struct GaeParameters {
   double discount = 0.99;  // gamma, per environment step
@@ -23,4 +23,4 @@ struct GaeResult {
 GaeResult ComputeGae(const std::vector<float>& reward, const std::vector<float>& value,
                      float final_value, const GaeParameters& parameters);
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 constexpr std::size_t kSlice = 4096;  // parameters per task
@@ -37,4 +37,4 @@ double GradientReducer::Reduce(std::size_t groups) {
   return std::sqrt(sum);
 }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -5,7 +5,7 @@
 
 #include "learner/ppo/worker_team.h"
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// How the shards of a minibatch are gathered: whole shards, in order, into as few to a group as
 /// kMostGroups allows. A pure function of the number of shards.
@@ -51,4 +51,4 @@ class GradientReducer {
   WorkerTeam& team_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::ppo

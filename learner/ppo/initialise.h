@@ -5,11 +5,12 @@
 
 #include "common/policy/network.h"
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// Initial parameters, actor then critic: orthogonal weights (Saxe et al., arXiv:1312.6120; gain
 /// sqrt 2 in hidden layers, 0.01 for each action head, 1 for each value head), zero biases, and
 /// `log_std` everywhere. A pure function of its arguments.
-std::vector<float> InitialParameters(const NetworkShape& shape, double log_std, std::uint64_t seed);
+std::vector<float> InitialParameters(const policy::NetworkShape& shape, double log_std,
+                                     std::uint64_t seed);
 
-}  // namespace metronome
+}  // namespace metronome::ppo

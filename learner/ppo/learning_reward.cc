@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-namespace metronome {
+namespace metronome::ppo {
 
 std::vector<float> LearningReward(const Episode& episode, const PpoConfig& ppo) {
   const auto success_reward = static_cast<float>(ppo.success_reward());
@@ -13,4 +13,4 @@ std::vector<float> LearningReward(const Episode& episode, const PpoConfig& ppo) 
   return rewards;
 }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

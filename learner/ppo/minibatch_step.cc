@@ -11,7 +11,7 @@
 #include "learner/ppo/mlp.h"
 #include "learner/ppo/ppo_loss.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 constexpr std::size_t kSlice = 4096;  // parameters per task of Adam
@@ -25,8 +25,8 @@ struct Shard {
 
 // One group's own memory, but for its gradient: no thread touches another's.
 struct Group {
-  explicit Group(const NetworkShape& shape)
-      : actor(ActorLayout(shape)), critic(CriticLayout(shape)) {}
+  explicit Group(const policy::NetworkShape& shape)
+      : actor(policy::ActorLayout(shape)), critic(policy::CriticLayout(shape)) {}
 
   Mlp actor;
   Mlp critic;
@@ -82,9 +82,9 @@ void Gather(const Eigen::MatrixXf& source, const std::uint32_t* samples, std::si
 
 struct MinibatchStep::Impl {
   Impl(const RunConfig& config, WorkerTeam& worker_team)
-      : shape(ShapeOf(config)),
-        actor_layout(ActorLayout(shape)),
-        parameter_count(ParameterCount(shape)),
+      : shape(policy::ShapeOf(config)),
+        actor_layout(policy::ActorLayout(shape)),
+        parameter_count(policy::ParameterCount(shape)),
         ppo(config.ppo()),
         team(worker_team),
         groups(MostGroups(ppo), Group(shape)),
@@ -182,7 +182,7 @@ struct MinibatchStep::Impl {
       sums.clipped += loss.clipped ? 1 : 0;
     }
     sums.samples += run.count;
-    group.entropy += double(GaussianEntropy(log_std, shape.action)) * run.count;
+    group.entropy += double(policy::GaussianEntropy(log_std, shape.action)) * run.count;
   }
 
   void CriticTask(const TrainingBatch& batch, const float* parameters, std::size_t g) {
@@ -243,8 +243,8 @@ struct MinibatchStep::Impl {
     return sums;
   }
 
-  NetworkShape shape;
-  MlpLayout actor_layout;
+  policy::NetworkShape shape;
+  policy::MlpLayout actor_layout;
   std::size_t parameter_count;
   PpoConfig ppo;
   WorkerTeam& team;
@@ -282,8 +282,8 @@ MinibatchSums MinibatchStep::Run(const TrainingBatch& batch,
   MinibatchSums sums = impl.Collect();
   sums.gradient_norm = impl.reducer.Reduce(impl.grouping.count());
   if (!std::isfinite(sums.gradient_norm)) {
-    throw NonFiniteUpdate("the gradient is not finite (norm " + std::to_string(sums.gradient_norm) +
-                          ")");
+    throw algorithm::NonFiniteUpdate("the gradient is not finite (norm " +
+                                     std::to_string(sums.gradient_norm) + ")");
   }
   impl.Descend(settings.learning_rate, sums.gradient_norm, state);
   return sums;
@@ -293,4 +293,4 @@ const std::vector<float>& MinibatchStep::gradient() const { return impl_->reduce
 
 std::size_t MinibatchStep::gradients_held() const { return impl_->reducer.groups_held(); }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -9,7 +9,7 @@
 #include "learner/ppo/training_batch.h"
 #include "learner/ppo/worker_team.h"
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// Sums over the samples of one head.
 struct HeadSums {
@@ -67,4 +67,4 @@ class MinibatchStep {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::ppo

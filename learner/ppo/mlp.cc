@@ -5,7 +5,7 @@
 
 #include "common/policy/activation.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -14,8 +14,8 @@ using ConstBias = Eigen::Map<const Eigen::VectorXf>;
 using Weight = Eigen::Map<RowMajor>;
 
 // Rows of a head inside the head layer.
-LayerSlice HeadSlice(const MlpLayout& layout, std::int32_t head) {
-  LayerSlice slice = layout.head;
+policy::LayerSlice HeadSlice(const policy::MlpLayout& layout, std::int32_t head) {
+  policy::LayerSlice slice = layout.head;
   const std::int32_t first = head * layout.head_outputs;
   slice.weight += static_cast<std::size_t>(first) * static_cast<std::size_t>(slice.inputs);
   slice.bias += static_cast<std::size_t>(first);
@@ -23,11 +23,11 @@ LayerSlice HeadSlice(const MlpLayout& layout, std::int32_t head) {
   return slice;
 }
 
-ConstWeight WeightOf(const float* parameters, const LayerSlice& slice) {
+ConstWeight WeightOf(const float* parameters, const policy::LayerSlice& slice) {
   return {parameters + slice.weight, slice.outputs, slice.inputs};
 }
 
-ConstBias BiasOf(const float* parameters, const LayerSlice& slice) {
+ConstBias BiasOf(const float* parameters, const policy::LayerSlice& slice) {
   return {parameters + slice.bias, slice.outputs};
 }
 
@@ -41,7 +41,8 @@ void AddColumns(const Columns& columns, float* sum) {
 
 }  // namespace
 
-std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs, const NetworkShape& shape) {
+std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs,
+                               const policy::NetworkShape& shape) {
   std::vector<HeadRun> value_runs;
   for (const HeadRun& run : runs) {
     const std::int32_t head = shape.value_head(run.head);
@@ -53,7 +54,7 @@ std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs, const NetworkSh
   return value_runs;
 }
 
-Mlp::Mlp(MlpLayout layout)
+Mlp::Mlp(policy::MlpLayout layout)
     : layout_(std::move(layout)),
       activation_(layout_.hidden.size()),
       d_activation_(layout_.hidden.size()) {}
@@ -62,16 +63,16 @@ const Eigen::MatrixXf& Mlp::Forward(const float* parameters, const Eigen::Matrix
                                     const std::vector<HeadRun>& runs) {
   const Eigen::MatrixXf* below = &input;
   for (std::size_t i = 0; i < layout_.hidden.size(); ++i) {
-    const LayerSlice& slice = layout_.hidden[i];
+    const policy::LayerSlice& slice = layout_.hidden[i];
     activation_[i].resize(slice.outputs, input.cols());
     activation_[i].colwise() = BiasOf(parameters, slice);
     activation_[i].noalias() += WeightOf(parameters, slice) * *below;
-    TanhInPlace(activation_[i]);
+    policy::TanhInPlace(activation_[i]);
     below = &activation_[i];
   }
   output_.resize(layout_.head_outputs, input.cols());
   for (const HeadRun& run : runs) {
-    const LayerSlice slice = HeadSlice(layout_, run.head);
+    const policy::LayerSlice slice = HeadSlice(layout_, run.head);
     auto columns = output_.middleCols(run.begin, run.count);
     columns.colwise() = BiasOf(parameters, slice);
     columns.noalias() += WeightOf(parameters, slice) * below->middleCols(run.begin, run.count);
@@ -87,7 +88,7 @@ void Mlp::Backward(const float* parameters, const Eigen::MatrixXf& input,
   Eigen::MatrixXf* d_top = layers == 0 ? nullptr : &d_activation_.back();
   if (d_top != nullptr) d_top->resize(top.rows(), top.cols());
   for (const HeadRun& run : runs) {
-    const LayerSlice slice = HeadSlice(layout_, run.head);
+    const policy::LayerSlice slice = HeadSlice(layout_, run.head);
     const auto d_columns = d_output.middleCols(run.begin, run.count);
     Weight(gradient + slice.weight, slice.outputs, slice.inputs).noalias() +=
         d_columns * top.middleCols(run.begin, run.count).transpose();
@@ -98,7 +99,7 @@ void Mlp::Backward(const float* parameters, const Eigen::MatrixXf& input,
     }
   }
   for (std::size_t i = layers; i-- > 0;) {
-    const LayerSlice& slice = layout_.hidden[i];
+    const policy::LayerSlice& slice = layout_.hidden[i];
     Eigen::MatrixXf& d = d_activation_[i];
     d.array() *= 1.0F - activation_[i].array().square();
     const Eigen::MatrixXf& below = i == 0 ? input : activation_[i - 1];
@@ -111,4 +112,4 @@ void Mlp::Backward(const float* parameters, const Eigen::MatrixXf& input,
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -6,7 +6,7 @@
 
 #include "common/policy/network.h"
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// Columns [begin, begin + count) of a shard that belong to one head.
 struct HeadRun {
@@ -16,13 +16,13 @@ struct HeadRun {
 };
 
 /// The same columns by the critic's heads: one run where it has one head.
-std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs, const NetworkShape& shape);
+std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs, const policy::NetworkShape& shape);
 
 /// Forward and backward pass of one MLP with k output heads over n samples, which lie in columns.
 /// Keeps the activations between the two passes. Not thread-safe.
 class Mlp {
  public:
-  explicit Mlp(MlpLayout layout);
+  explicit Mlp(policy::MlpLayout layout);
 
   /// @param parameters  the network's block of the flat vector, layout().size floats.
   /// @param input       [inputs, n].
@@ -38,13 +38,13 @@ class Mlp {
   void Backward(const float* parameters, const Eigen::MatrixXf& input,
                 const std::vector<HeadRun>& runs, const Eigen::MatrixXf& d_output, float* gradient);
 
-  [[nodiscard]] const MlpLayout& layout() const { return layout_; }
+  [[nodiscard]] const policy::MlpLayout& layout() const { return layout_; }
 
  private:
-  MlpLayout layout_;
+  policy::MlpLayout layout_;
   std::vector<Eigen::MatrixXf> activation_;    // per hidden layer [width, n]
   std::vector<Eigen::MatrixXf> d_activation_;  // same shapes
   Eigen::MatrixXf output_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::ppo

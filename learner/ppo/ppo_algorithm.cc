@@ -6,25 +6,28 @@
 #include "learner/ppo/ppo_state.h"
 #include "learner/ppo/trainer.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
-class PpoAlgorithm final : public Algorithm {
+class PpoAlgorithm final : public algorithm::Algorithm {
  public:
-  PpoAlgorithm(const RunConfig& config, const TrainState& state,
-               const AlgorithmResources& resources)
+  PpoAlgorithm(const RunConfig& config, const checkpoint::TrainState& state,
+               const algorithm::AlgorithmResources& resources)
       : config_(config),
         trainer_(config, DecodePpoState(state, config), resources.threads),
         checker_(config, resources.check_key) {}
 
-  [[nodiscard]] const RunCounters& counters() const override { return trainer_.state(); }
-  UpdateReport Update(const std::vector<Episode>& batch) override {
-    const CpuTimer timer(CpuUse::kUpdate);  // the team's other threads count for themselves
+  [[nodiscard]] const checkpoint::RunCounters& counters() const override {
+    return trainer_.state();
+  }
+  algorithm::UpdateReport Update(const std::vector<Episode>& batch) override {
+    const process::CpuTimer timer(
+        process::CpuUse::kUpdate);  // the team's other threads count for themselves
     PpoReport report = trainer_.Update(batch);
     report.metrics = PpoMetrics(report);
     return report;
   }
-  [[nodiscard]] TrainState State() const override {
+  [[nodiscard]] checkpoint::TrainState State() const override {
     return EncodePpoState(trainer_.state(), config_);
   }
   [[nodiscard]] PolicySnapshot Snapshot() const override {
@@ -37,20 +40,20 @@ class PpoAlgorithm final : public Algorithm {
                                                  const PolicySnapshot& snapshot) const override {
     return checker_.Check(episode, snapshot);
   }
-  [[nodiscard]] std::vector<Metric> Metrics() const override {
+  [[nodiscard]] std::vector<algorithm::Metric> Metrics() const override {
     return PpoMetrics(EmptyPpoReport(std::size_t(config_.policy().heads())));
   }
 
  private:
   RunConfig config_;
   Trainer trainer_;
-  mutable EpisodeChecker checker_;
+  mutable algorithm::EpisodeChecker checker_;
 };
 
-class PpoFactory final : public AlgorithmFactory {
+class PpoFactory final : public algorithm::AlgorithmFactory {
  public:
-  [[nodiscard]] TrainState InitialState(const RunConfig& config,
-                                        const TrainState* source) const override {
+  [[nodiscard]] checkpoint::TrainState InitialState(
+      const RunConfig& config, const checkpoint::TrainState* source) const override {
     PpoState state = Trainer::InitialState(config);
     if (source != nullptr) {
       const PpoState other = DecodePpoState(*source, config);
@@ -59,15 +62,17 @@ class PpoFactory final : public AlgorithmFactory {
     }
     return EncodePpoState(state, config);
   }
-  [[nodiscard]] std::unique_ptr<Algorithm> Make(
-      const RunConfig& config, const TrainState& state,
-      const AlgorithmResources& resources) const override {
+  [[nodiscard]] std::unique_ptr<algorithm::Algorithm> Make(
+      const RunConfig& config, const checkpoint::TrainState& state,
+      const algorithm::AlgorithmResources& resources) const override {
     return std::make_unique<PpoAlgorithm>(config, state, resources);
   }
 };
 
 }  // namespace
 
-std::shared_ptr<const AlgorithmFactory> MakePpoFactory() { return std::make_shared<PpoFactory>(); }
+std::shared_ptr<const algorithm::AlgorithmFactory> MakePpoFactory() {
+  return std::make_shared<PpoFactory>();
+}
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -4,9 +4,9 @@
 
 #include "learner/algorithm/algorithm_factory.h"
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// Multi-head PPO (trainer.h) as an algorithm, "ppo" of configurations.
-std::shared_ptr<const AlgorithmFactory> MakePpoFactory();
+std::shared_ptr<const algorithm::AlgorithmFactory> MakePpoFactory();
 
-}  // namespace metronome
+}  // namespace metronome::ppo

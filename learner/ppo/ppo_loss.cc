@@ -5,13 +5,13 @@
 
 #include "common/policy/gaussian.h"
 
-namespace metronome {
+namespace metronome::ppo {
 
 PolicyLoss ComputePolicyLoss(const PolicySample& sample, const float* mean, const float* std,
                              const float* log_std, std::int32_t size, float clip) {
   PolicyLoss result;
   result.log_ratio =
-      GaussianLogProb(sample.action, mean, std, log_std, size) - sample.proximal_log_prob;
+      policy::GaussianLogProb(sample.action, mean, std, log_std, size) - sample.proximal_log_prob;
   const float ratio = std::exp(result.log_ratio);
   const float bounded = std::clamp(ratio, 1 - clip, 1 + clip);
   result.clipped = bounded != ratio;
@@ -29,4 +29,4 @@ PolicyLoss ComputePolicyLoss(const PolicySample& sample, const float* mean, cons
   return result;
 }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

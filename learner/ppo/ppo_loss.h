@@ -5,7 +5,7 @@
 
 #include "common/messages/episode.h"
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// What the clipped objective needs of one sample besides the policy's current output.
 struct PolicySample {
@@ -32,4 +32,4 @@ struct PolicyLoss {
 PolicyLoss ComputePolicyLoss(const PolicySample& sample, const float* mean, const float* std,
                              const float* log_std, std::int32_t size, float clip);
 
-}  // namespace metronome
+}  // namespace metronome::ppo

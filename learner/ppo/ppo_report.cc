@@ -3,11 +3,12 @@
 #include <stdexcept>
 #include <string>
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 void AddHeads(const std::string& name, const std::string& meaning,
-              const std::vector<double>& values, std::size_t heads, std::vector<Metric>& metrics) {
+              const std::vector<double>& values, std::size_t heads,
+              std::vector<algorithm::Metric>& metrics) {
   if (values.size() != heads) throw std::invalid_argument(name + ": not one value a head");
   for (std::size_t head = 0; head < heads; ++head) {
     const std::string number = std::to_string(head);
@@ -28,8 +29,8 @@ PpoReport EmptyPpoReport(std::size_t heads) {
   return report;
 }
 
-std::vector<Metric> PpoMetrics(const PpoReport& report) {
-  std::vector<Metric> metrics = {
+std::vector<algorithm::Metric> PpoMetrics(const PpoReport& report) {
+  std::vector<algorithm::Metric> metrics = {
       {"policy_loss", "loss/policy", report.policy_loss,
        "mean over all minibatches of all epochs made, each under the weights before its step"},
       {"value_loss", "loss/value", report.value_loss,
@@ -66,4 +67,4 @@ std::vector<Metric> PpoMetrics(const PpoReport& report) {
   return metrics;
 }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -6,10 +6,10 @@
 #include "learner/algorithm/metric.h"
 #include "learner/algorithm/update_report.h"
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// What one update of PPO saw and did.
-struct PpoReport : UpdateReport {
+struct PpoReport : algorithm::UpdateReport {
   // Means over all minibatches of all epochs made, each under the weights before its step.
   double policy_loss = 0;
   double value_loss = 0;          // half squared error, of scaled returns
@@ -36,6 +36,6 @@ PpoReport EmptyPpoReport(std::size_t heads);
 
 /// PPO's own metrics, in the order of progress.csv's columns: of all samples, then those per head.
 /// @throws std::invalid_argument if the per-head lists differ in length.
-std::vector<Metric> PpoMetrics(const PpoReport& report);
+std::vector<algorithm::Metric> PpoMetrics(const PpoReport& report);
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -10,19 +10,20 @@
 #include "learner/algorithm/algorithm_factory.h"
 #include "learner/ppo/ppo_state.pb.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 constexpr char kName[] = "ppo";
 
-void ToPayload(const RunningStatistics& statistics, PpoStatePayload::Statistics& payload) {
+void ToPayload(const policy::RunningStatistics& statistics, PpoStatePayload::Statistics& payload) {
   payload.mutable_mean()->Assign(statistics.mean.begin(), statistics.mean.end());
   payload.mutable_m2()->Assign(statistics.m2.begin(), statistics.m2.end());
   payload.set_count(statistics.count);
 }
 
-RunningStatistics FromPayload(const PpoStatePayload::Statistics& payload) {
-  return {FromField(payload.mean()), FromField(payload.m2()), payload.count()};
+policy::RunningStatistics FromPayload(const PpoStatePayload::Statistics& payload) {
+  return {checkpoint::FromField(payload.mean()), checkpoint::FromField(payload.m2()),
+          payload.count()};
 }
 
 std::string BytesOf(const PpoState& state) {
@@ -41,12 +42,12 @@ std::string BytesOf(const PpoState& state) {
 
 void RequireSize(std::size_t size, std::size_t wanted, const std::string& what) {
   if (size == wanted) return;
-  throw UnusableState("its state of ppo has another shape: " + what + " has " +
-                      std::to_string(size) + " numbers, its configuration asks for " +
-                      std::to_string(wanted));
+  throw algorithm::UnusableState("its state of ppo has another shape: " + what + " has " +
+                                 std::to_string(size) + " numbers, its configuration asks for " +
+                                 std::to_string(wanted));
 }
 
-void RequireStatistics(const RunningStatistics& statistics, std::size_t dimensions,
+void RequireStatistics(const policy::RunningStatistics& statistics, std::size_t dimensions,
                        const std::string& what) {
   const bool empty = statistics.mean.empty() && statistics.m2.empty() && statistics.count == 0;
   if (empty) return;
@@ -55,13 +56,14 @@ void RequireStatistics(const RunningStatistics& statistics, std::size_t dimensio
 }
 
 void RequireFit(const PpoState& state, const RunConfig& config) {
-  const NetworkShape shape = ShapeOf(config);
-  const std::size_t count = ParameterCount(shape);
+  const policy::NetworkShape shape = policy::ShapeOf(config);
+  const std::size_t count = policy::ParameterCount(shape);
   RequireSize(state.parameters.size(), count, "the network");
   RequireSize(state.adam_m.size(), count, "Adam's first moment");
   RequireSize(state.adam_v.size(), count, "Adam's second moment");
   if (!state.previous_actor.empty()) {
-    RequireSize(state.previous_actor.size(), ActorLayout(shape).size, "the previous policy");
+    RequireSize(state.previous_actor.size(), policy::ActorLayout(shape).size,
+                "the previous policy");
   }
   const auto observations = std::size_t(shape.observation);
   RequireStatistics(state.observation, observations, "the observation statistics");
@@ -73,45 +75,46 @@ void RequireFit(const PpoState& state, const RunConfig& config) {
 }  // namespace
 
 PolicySnapshot SnapshotOf(const PpoState& state, const RunConfig& config) {
-  return MakeSnapshot(state.version, state.parameters.data(), state.observation, config);
+  return policy::MakeSnapshot(state.version, state.parameters.data(), state.observation, config);
 }
 
 PolicySnapshot PreviousSnapshotOf(const PpoState& state, const RunConfig& config) {
-  if (state.version == 0 || state.previous_actor.size() != ActorLayout(ShapeOf(config)).size) {
+  if (state.version == 0 ||
+      state.previous_actor.size() != policy::ActorLayout(policy::ShapeOf(config)).size) {
     throw std::logic_error("version " + std::to_string(state.version) +
                            " has no previous snapshot");
   }
-  return MakeSnapshot(state.version - 1, state.previous_actor.data(), state.previous_observation,
-                      config);
+  return policy::MakeSnapshot(state.version - 1, state.previous_actor.data(),
+                              state.previous_observation, config);
 }
 
-TrainState EncodePpoState(const PpoState& state, const RunConfig& config) {
-  TrainState encoded;
-  static_cast<RunCounters&>(encoded) = state;
+checkpoint::TrainState EncodePpoState(const PpoState& state, const RunConfig& config) {
+  checkpoint::TrainState encoded;
+  static_cast<checkpoint::RunCounters&>(encoded) = state;
   encoded.policy = SnapshotOf(state, config);
-  encoded.weights = {state.parameters.size(), WeightsSha256(state.parameters)};
+  encoded.weights = {state.parameters.size(), process::WeightsSha256(state.parameters)};
   encoded.algorithm = {kName, kPpoStateFormat, BytesOf(state)};
   return encoded;
 }
 
-PpoState DecodePpoState(const TrainState& encoded, const RunConfig& config) {
-  RequireFormat(encoded.algorithm, kName, kPpoStateFormat);
+PpoState DecodePpoState(const checkpoint::TrainState& encoded, const RunConfig& config) {
+  algorithm::RequireFormat(encoded.algorithm, kName, kPpoStateFormat);
   PpoStatePayload payload;
   if (!payload.ParseFromString(encoded.algorithm.bytes)) {
-    throw UnusableState("its state of ppo is not one");
+    throw algorithm::UnusableState("its state of ppo is not one");
   }
   PpoState state;
-  static_cast<RunCounters&>(state) = encoded;
-  state.parameters = FromField(payload.parameters());
-  state.adam_m = FromField(payload.adam_m());
-  state.adam_v = FromField(payload.adam_v());
+  static_cast<checkpoint::RunCounters&>(state) = encoded;
+  state.parameters = checkpoint::FromField(payload.parameters());
+  state.adam_m = checkpoint::FromField(payload.adam_m());
+  state.adam_v = checkpoint::FromField(payload.adam_v());
   state.adam_steps = payload.adam_steps();
   state.observation = FromPayload(payload.observation());
   state.reward_return = FromPayload(payload.reward_return());
-  state.previous_actor = FromField(payload.previous_actor());
+  state.previous_actor = checkpoint::FromField(payload.previous_actor());
   state.previous_observation = FromPayload(payload.previous_observation());
   RequireFit(state, config);
   return state;
 }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

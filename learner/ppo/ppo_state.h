@@ -8,20 +8,20 @@
 #include "common/policy/running_statistics.h"
 #include "common/schema/config.pb.h"
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// Everything that an update of PPO starts from.
-struct PpoState : RunCounters {
+struct PpoState : checkpoint::RunCounters {
   std::vector<float> parameters;  // actor then critic, see common/policy/network.h
   std::vector<float> adam_m;      // same length
   std::vector<float> adam_v;      // same length
   std::uint64_t adam_steps = 0;
-  RunningStatistics observation;    // a dimension each number of an observation; enters snapshots
-                                    // from the next version on
-  RunningStatistics reward_return;  // 1 dimension: discounted return, the reward's scale
+  policy::RunningStatistics observation;    // a dimension each number of an observation; enters
+                                            // snapshots from the next version on
+  policy::RunningStatistics reward_return;  // 1 dimension: discounted return, the reward's scale
   /// overlap 1: what version - 1 acted with; batch `version` was played under it.
   std::vector<float> previous_actor;
-  RunningStatistics previous_observation;
+  policy::RunningStatistics previous_observation;
   bool operator==(const PpoState&) const = default;
 };
 
@@ -37,7 +37,7 @@ inline constexpr std::uint32_t kPpoStateFormat = 1;
 /// As a checkpoint keeps it, and back. @param config  resolved.
 /// @throws UnusableState (learner/algorithm/algorithm_factory.h) for another algorithm's state, an
 ///         unknown format, or numbers that do not fit the configuration's network.
-TrainState EncodePpoState(const PpoState& state, const RunConfig& config);
-PpoState DecodePpoState(const TrainState& state, const RunConfig& config);
+checkpoint::TrainState EncodePpoState(const PpoState& state, const RunConfig& config);
+PpoState DecodePpoState(const checkpoint::TrainState& state, const RunConfig& config);
 
-}  // namespace metronome
+}  // namespace metronome::ppo

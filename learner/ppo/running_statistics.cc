@@ -3,9 +3,9 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace metronome {
+namespace metronome::ppo {
 
-void Merge(RunningStatistics& statistics, const float* values, std::size_t rows,
+void Merge(policy::RunningStatistics& statistics, const float* values, std::size_t rows,
            std::size_t dimensions, std::size_t stride) {
   if (statistics.mean.empty()) {
     statistics.mean.assign(dimensions, 0);
@@ -33,9 +33,9 @@ void Merge(RunningStatistics& statistics, const float* values, std::size_t rows,
   statistics.count = total;
 }
 
-double StandardDeviation(const RunningStatistics& statistics, std::size_t dimension) {
+double StandardDeviation(const policy::RunningStatistics& statistics, std::size_t dimension) {
   if (statistics.count == 0) return 1;
   return std::sqrt(statistics.m2.at(dimension) / statistics.count);
 }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -5,15 +5,15 @@
 
 #include "common/policy/running_statistics.h"
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// Merges `rows` rows of `dimensions` float32 numbers (row-major, row r at r * stride) into
 /// `statistics`, in double precision and row order. Empty statistics take the dimension on.
 /// @throws std::invalid_argument if the dimensions differ.
-void Merge(RunningStatistics& statistics, const float* values, std::size_t rows,
+void Merge(policy::RunningStatistics& statistics, const float* values, std::size_t rows,
            std::size_t dimensions, std::size_t stride);
 
 /// Population standard deviation of one dimension; 1 while nothing has been merged.
-double StandardDeviation(const RunningStatistics& statistics, std::size_t dimension);
+double StandardDeviation(const policy::RunningStatistics& statistics, std::size_t dimension);
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -17,7 +17,7 @@
 #include "learner/ppo/running_statistics.h"
 #include "learner/ppo/training_batch.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 // Eigen picks block sizes, and with them the order of sums, from the caches that it finds.
@@ -84,8 +84,8 @@ class ReportSums {
 
 void FillHeadSpread(const RunConfig& config, const std::vector<float>& parameters,
                     PpoReport& report) {
-  const NetworkShape shape = ShapeOf(config);
-  const float* log_std = parameters.data() + ActorLayout(shape).log_std;
+  const policy::NetworkShape shape = policy::ShapeOf(config);
+  const float* log_std = parameters.data() + policy::ActorLayout(shape).log_std;
   for (std::int32_t head = 0; head < shape.heads; ++head) {
     double std = 0;
     double entropy = 0;
@@ -105,7 +105,9 @@ struct Trainer::Impl {
   Impl(const RunConfig& run_config, PpoState initial, int threads)
       : config(run_config), state(std::move(initial)), team(threads), step(config, team) {}
 
-  [[nodiscard]] std::size_t actor_size() const { return ActorLayout(ShapeOf(config)).size; }
+  [[nodiscard]] std::size_t actor_size() const {
+    return policy::ActorLayout(policy::ShapeOf(config)).size;
+  }
 
   [[nodiscard]] PolicySnapshot Behaviour() const {
     const bool lagging = config.collection().overlap() > 0 && state.version > 0;
@@ -149,9 +151,9 @@ struct Trainer::Impl {
     const auto minibatch = std::size_t(config.ppo().minibatch());
     for (std::int32_t epoch = 0; epoch < config.ppo().epochs(); ++epoch) {
       sums.BeginEpoch();
-      const std::vector<std::uint32_t> order = Permutation(
+      const std::vector<std::uint32_t> order = numbers::Permutation(
           std::uint32_t(batch.size()),
-          {RandomPurpose::kShuffle, config.seed(), state.version, std::uint64_t(epoch)});
+          {numbers::RandomPurpose::kShuffle, config.seed(), state.version, std::uint64_t(epoch)});
       for (std::size_t begin = 0; begin < order.size(); begin += minibatch) {
         const std::size_t end = std::min(begin + minibatch, order.size());
         const std::vector<std::uint32_t> samples(order.begin() + std::ptrdiff_t(begin),
@@ -171,12 +173,12 @@ struct Trainer::Impl {
                                  state.parameters.begin() + std::ptrdiff_t(actor_size()));
       next.previous_observation = state.observation;
     }
-    const auto observations = std::size_t(ShapeOf(config).observation);
+    const auto observations = std::size_t(policy::ShapeOf(config).observation);
     for (const Episode& episode : batch) {
       Merge(next.observation, episode.observation.data(), std::size_t(episode.length()),
             observations, observations);
     }
-    static_cast<RunCounters&>(next) = CountersAfter(state, batch);
+    static_cast<checkpoint::RunCounters&>(next) = algorithm::CountersAfter(state, batch);
   }
 
   RunConfig config;
@@ -187,7 +189,7 @@ struct Trainer::Impl {
 
 Trainer::Trainer(const RunConfig& config, PpoState state, int threads) {
   FixEigenBlocking();
-  const std::size_t expected = ParameterCount(ShapeOf(config));
+  const std::size_t expected = policy::ParameterCount(policy::ShapeOf(config));
   if (state.parameters.size() != expected || state.adam_m.size() != expected ||
       state.adam_v.size() != expected) {
     throw std::invalid_argument("the state holds " + std::to_string(state.parameters.size()) +
@@ -203,7 +205,7 @@ PpoState Trainer::InitialState(const RunConfig& config) {
   FixEigenBlocking();
   PpoState state;
   state.parameters =
-      InitialParameters(ShapeOf(config), config.policy().initial_log_std(), config.seed());
+      InitialParameters(policy::ShapeOf(config), config.policy().initial_log_std(), config.seed());
   state.adam_m.assign(state.parameters.size(), 0.0F);
   state.adam_v.assign(state.parameters.size(), 0.0F);
   return state;
@@ -226,24 +228,25 @@ PpoReport Trainer::Update(const std::vector<Episode>& episodes) {
                            std::move(next.adam_v), next.adam_steps};
   ReportSums sums(std::size_t(impl.config.policy().heads()), impl.config.ppo().kl_estimate());
   report.epochs = impl.Learn(batch, settings, optimiser, sums);
-  if (!AllFinite(optimiser.parameters)) throw NonFiniteUpdate("a parameter is not finite");
+  if (!numbers::AllFinite(optimiser.parameters))
+    throw algorithm::NonFiniteUpdate("a parameter is not finite");
   next.parameters = std::move(optimiser.parameters);
   next.adam_m = std::move(optimiser.adam_m);
   next.adam_v = std::move(optimiser.adam_v);
   next.adam_steps = optimiser.adam_steps;
   impl.Advance(episodes, next);
   // Finite weights may still give actions that are not: no actor would play another episode.
-  if (const auto defect = SnapshotDefect(SnapshotOf(next, impl.config), impl.config)) {
-    throw NonFiniteUpdate("no actor can act with the new policy: " + *defect);
+  if (const auto defect = policy::SnapshotDefect(SnapshotOf(next, impl.config), impl.config)) {
+    throw algorithm::NonFiniteUpdate("no actor can act with the new policy: " + *defect);
   }
   report.lag = impl.state.version - behaviour.version;
   report.learning_rate = settings.learning_rate;
   report.explained_variance = batch.explained_variance;
   sums.Fill(report);
   FillHeadSpread(impl.config, next.parameters, report);
-  static_cast<UpdateReport&>(report) = ReportOf(next, episodes);
+  static_cast<algorithm::UpdateReport&>(report) = algorithm::ReportOf(next, episodes);
   impl.state = std::move(next);
   return report;
 }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

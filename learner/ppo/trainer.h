@@ -8,7 +8,7 @@
 #include "learner/ppo/ppo_report.h"
 #include "learner/ppo/ppo_state.h"
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// Multi-head PPO: next state = f(state, batch), bit for bit, whatever the number of threads.
 /// Knows nothing of DDS, files or MuJoCo. Not thread-safe: one call at a time.
@@ -34,4 +34,4 @@ class Trainer {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -10,12 +10,12 @@
 #include "learner/ppo/learning_reward.h"
 #include "learner/ppo/mlp.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 // Columns 0..L of an episode of L steps by head, in time order; a head may come again. Column L
 // goes to the head that values the final observation.
-std::vector<HeadRun> EpisodeRuns(const HeadSchedule& schedule, std::int32_t length) {
+std::vector<HeadRun> EpisodeRuns(const policy::HeadSchedule& schedule, std::int32_t length) {
   std::vector<HeadRun> runs;
   for (std::int32_t t = 0; t <= length; ++t) {
     const std::int32_t head = schedule.ValueHeadAt(t);
@@ -45,7 +45,7 @@ std::vector<std::size_t> BeginsOf(const std::vector<Episode>& episodes) {
 class Builder {
  public:
   Builder(const BatchSource& source, const std::vector<std::size_t>& begins, TrainingBatch& batch)
-      : source_(source), begins_(begins), batch_(batch), shape_(ShapeOf(source.config)) {}
+      : source_(source), begins_(begins), batch_(batch), shape_(policy::ShapeOf(source.config)) {}
 
   // Fills the samples of one episode; episodes are independent.
   void Fill(std::size_t index) const {
@@ -60,8 +60,9 @@ class Builder {
     std::copy(episode.log_prob.begin(), episode.log_prob.end(),
               batch_.behaviour_log_prob.begin() + first);
     std::copy(episode.head.begin(), episode.head.end(), batch_.head.begin() + first);
-    const std::vector<HeadRun> runs = EpisodeRuns(
-        {source_.config, TrainingEpisode(source_.config, episode.number)}, episode.length());
+    const std::vector<HeadRun> runs =
+        EpisodeRuns({source_.config, policy::TrainingEpisode(source_.config, episode.number)},
+                    episode.length());
     FillAdvantages(episode, input, runs, begin);
     FillProximal(episode, input, runs, begin);
   }
@@ -71,7 +72,7 @@ class Builder {
     Eigen::MatrixXf input(shape_.input(), Eigen::Index(episode.length()) + 1);
     const auto clip = static_cast<float>(source_.config.policy().observation_clip());
     for (std::int32_t t = 0; t <= episode.length(); ++t) {
-      WriteInput(
+      policy::WriteInput(
           shape_, episode.observation.data() + std::size_t(t) * std::size_t(shape_.observation),
           source_.behaviour.observation_mean.data(), source_.behaviour.observation_inv_std.data(),
           clip, t, source_.config.environment().horizon(), input.col(t).data());
@@ -81,8 +82,8 @@ class Builder {
 
   void FillAdvantages(const Episode& episode, const Eigen::MatrixXf& input,
                       const std::vector<HeadRun>& runs, std::size_t begin) const {
-    Mlp critic(CriticLayout(shape_));
-    const float* parameters = source_.parameters + ActorLayout(shape_).size;
+    Mlp critic(policy::CriticLayout(shape_));
+    const float* parameters = source_.parameters + policy::ActorLayout(shape_).size;
     const Eigen::MatrixXf& value = critic.Forward(parameters, input, ValueRuns(runs, shape_));
     std::vector<float> values(value.data(), value.data() + episode.length());
     std::vector<float> rewards = LearningReward(episode, source_.config.ppo());
@@ -106,7 +107,7 @@ class Builder {
       std::copy(episode.log_prob.begin(), episode.log_prob.end(), proximal);
       return;
     }
-    Mlp actor(ActorLayout(shape_));
+    Mlp actor(policy::ActorLayout(shape_));
     const Eigen::MatrixXf& mean = actor.Forward(source_.parameters, input, runs);
     const auto actions = std::size_t(shape_.action);
     for (std::size_t t = 0; t < std::size_t(episode.length()); ++t) {
@@ -114,16 +115,16 @@ class Builder {
           source_.parameters + actor.layout().log_std + std::size_t(episode.head[t]) * actions;
       std::array<float, kMaxActionSize> std{};
       for (std::int32_t i = 0; i < shape_.action; ++i) std[i] = std::exp(log_std[i]);
-      proximal[t] =
-          GaussianLogProb(episode.action.data() + t * actions, mean.col(Eigen::Index(t)).data(),
-                          std.data(), log_std, shape_.action);
+      proximal[t] = policy::GaussianLogProb(episode.action.data() + t * actions,
+                                            mean.col(Eigen::Index(t)).data(), std.data(), log_std,
+                                            shape_.action);
     }
   }
 
   const BatchSource& source_;
   const std::vector<std::size_t>& begins_;
   TrainingBatch& batch_;
-  NetworkShape shape_;
+  policy::NetworkShape shape_;
 };
 
 double Variance(const std::vector<double>& values) {
@@ -148,7 +149,7 @@ TrainingBatch BuildBatch(const BatchSource& source, WorkerTeam& team) {
   const std::vector<std::size_t> begins = BeginsOf(source.episodes);
   const std::size_t size = begins.back();
   TrainingBatch batch;
-  const NetworkShape shape = ShapeOf(source.config);
+  const policy::NetworkShape shape = policy::ShapeOf(source.config);
   batch.input.resize(shape.input(), Eigen::Index(size));
   batch.action.resize(shape.action, Eigen::Index(size));
   for (auto* values : {&batch.behaviour_log_prob, &batch.proximal_log_prob, &batch.value,
@@ -162,4 +163,4 @@ TrainingBatch BuildBatch(const BatchSource& source, WorkerTeam& team) {
   return batch;
 }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -10,7 +10,7 @@
 #include "common/schema/config.pb.h"
 #include "learner/ppo/worker_team.h"
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// The N samples of one update, all steps of its E episodes, in episode and time order, ready for
 /// the epochs.
@@ -39,4 +39,4 @@ struct BatchSource {
 /// @param team  shares out the episodes; never changes the result.
 TrainingBatch BuildBatch(const BatchSource& source, WorkerTeam& team);
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -11,7 +11,7 @@
 #include "common/process/cpu_times.h"
 #include "common/process/start_threads.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 // An update is hundreds of short rounds: waking a thread that sleeps takes tens of microseconds.
@@ -36,7 +36,7 @@ void AwaitChange(const std::atomic<T>& value, T old) {
 
 struct WorkerTeam::Impl {
   explicit Impl(int threads)
-      : workers(StartThreads(
+      : workers(process::StartThreads(
             static_cast<std::size_t>(threads - 1), [this](std::size_t) { Work(); },
             [this] { Dismiss(); }, "runtime.learner_threads")) {}
 
@@ -49,7 +49,7 @@ struct WorkerTeam::Impl {
     for (std::uint32_t seen = 0;; ++seen) {
       AwaitChange(round, seen);
       if (stopping) return;
-      const CpuTimer timer(CpuUse::kUpdate);
+      const process::CpuTimer timer(process::CpuUse::kUpdate);
       Drain();
       if (--working == 0) working.notify_one();
     }
@@ -102,4 +102,4 @@ void WorkerTeam::Run(std::size_t count, const std::function<void(std::size_t)>& 
   impl_->AwaitWorkers();
 }
 
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-namespace metronome {
+namespace metronome::ppo {
 
 /// A fixed team of threads that shares out independent tasks. Which thread runs a task is left to
 /// chance; results must go to places that the task's index names.
@@ -26,4 +26,4 @@ class WorkerTeam {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::ppo

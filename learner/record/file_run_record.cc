@@ -8,10 +8,10 @@
 #include "common/process/files.h"
 #include "learner/record/run_folder.h"
 
-namespace metronome {
+namespace metronome::record {
 
-FileRunRecord::FileRunRecord(std::string folder, Checkpoint first, std::vector<Metric> algorithm,
-                             ProgressPrinter printer)
+FileRunRecord::FileRunRecord(std::string folder, checkpoint::Checkpoint first,
+                             std::vector<algorithm::Metric> algorithm, ProgressPrinter printer)
     : folder_(std::move(folder)),
       checkpoint_(std::move(first)),
       algorithm_(std::move(algorithm)),
@@ -22,14 +22,14 @@ FileRunRecord::FileRunRecord(std::string folder, Checkpoint first, std::vector<M
 std::string FileRunRecord::ProgressPath() const { return folder_ + "/progress.csv"; }
 
 void FileRunRecord::Begin() {
-  WriteFileAtomically(ConfigPathOf(folder_), PrintConfig(checkpoint_.config));
+  process::WriteFileAtomically(ConfigPathOf(folder_), config::PrintConfig(checkpoint_.config));
   store_.emplace(folder_ + "/checkpoints", checkpoint_.config.runtime().checkpoint_keep(),
                  checkpoint_.config.runtime().milestone_every());
   progress_.emplace(ProgressPath(), algorithm_, checkpoint_.logs.progress_bytes);
   events_.emplace(folder_ + "/" + TensorBoardLog::kFileName, checkpoint_.logs.events_bytes);
 }
 
-std::string FileRunRecord::Save(const TrainState& state) {
+std::string FileRunRecord::Save(const checkpoint::TrainState& state) {
   // A run that goes on from the checkpoint finds every row before it.
   if (!progress_->Flush() || !events_->Flush()) {
     throw std::system_error(errno, std::generic_category(), "the logs in " + folder_ + " wait");
@@ -44,28 +44,28 @@ std::string FileRunRecord::LatestCheckpoint() const {
   return store_ ? store_->Latest().value_or("") : "";
 }
 
-void FileRunRecord::Started(const TrainState& state) {
+void FileRunRecord::Started(const checkpoint::TrainState& state) {
   printer_.Started(state.version, state.steps);
 }
 
-void FileRunRecord::Excluded(const ExcludedHosts& hosts) {
-  SaveExcludedHosts(hosts, ExcludedHostsPathOf(folder_));
+void FileRunRecord::Excluded(const collect::trust::ExcludedHosts& hosts) {
+  collect::trust::SaveExcludedHosts(hosts, collect::trust::ExcludedHostsPathOf(folder_));
 }
 
-void FileRunRecord::Updated(const UpdateReport& report, const WallReport& wall) {
+void FileRunRecord::Updated(const algorithm::UpdateReport& report, const WallReport& wall) {
   checkpoint_.logs.wall_seconds = wall.seconds;
-  const std::vector<Metric> metrics = MetricsOf(report, wall);
+  const std::vector<algorithm::Metric> metrics = MetricsOf(report, wall);
   progress_->Append(metrics);
   events_->Append(report.steps, metrics);
   printer_.Updated(report, wall);
 }
 
-void FileRunRecord::Finished(const TrainState& state, const std::string& accounting) {
+void FileRunRecord::Finished(const checkpoint::TrainState& state, const std::string& accounting) {
   printer_.Finished(accounting, LatestCheckpoint(), state.weights.sha256);
 }
 
-void FileRunRecord::Interrupted(const TrainState& state) {
+void FileRunRecord::Interrupted(const checkpoint::TrainState& state) {
   printer_.Interrupted(state.version, LatestCheckpoint());
 }
 
-}  // namespace metronome
+}  // namespace metronome::record

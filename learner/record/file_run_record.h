@@ -11,7 +11,7 @@
 #include "learner/record/run_record.h"
 #include "learner/record/tensorboard.h"
 
-namespace metronome {
+namespace metronome::record {
 
 /// A run's results in its folder: config.textproto, checkpoints/, progress.csv, the TensorBoard
 /// file; and what the terminal shows. Files are opened by Begin.
@@ -22,28 +22,28 @@ class FileRunRecord final : public RunRecord {
   ///                     version 0; config, engine, build and incarnation are written from it.
   /// @param algorithm    Algorithm::Metrics of the run.
   /// @throws std::invalid_argument with the remedy if the run's progress.csv has other columns.
-  FileRunRecord(std::string folder, Checkpoint first, std::vector<Metric> algorithm,
-                ProgressPrinter printer);
+  FileRunRecord(std::string folder, checkpoint::Checkpoint first,
+                std::vector<algorithm::Metric> algorithm, ProgressPrinter printer);
 
   void Begin() override;
-  std::string Save(const TrainState& state) override;
+  std::string Save(const checkpoint::TrainState& state) override;
   [[nodiscard]] std::string LatestCheckpoint() const override;
-  void Started(const TrainState& state) override;
-  void Excluded(const ExcludedHosts& hosts) override;
-  void Updated(const UpdateReport& report, const WallReport& wall) override;
-  void Finished(const TrainState& state, const std::string& accounting) override;
-  void Interrupted(const TrainState& state) override;
+  void Started(const checkpoint::TrainState& state) override;
+  void Excluded(const collect::trust::ExcludedHosts& hosts) override;
+  void Updated(const algorithm::UpdateReport& report, const WallReport& wall) override;
+  void Finished(const checkpoint::TrainState& state, const std::string& accounting) override;
+  void Interrupted(const checkpoint::TrainState& state) override;
 
  private:
   [[nodiscard]] std::string ProgressPath() const;
 
   std::string folder_;
-  Checkpoint checkpoint_;          // what Save writes; its state changes
-  std::vector<Metric> algorithm_;  // its metrics
+  checkpoint::Checkpoint checkpoint_;         // what Save writes; its state changes
+  std::vector<algorithm::Metric> algorithm_;  // its metrics
   ProgressPrinter printer_;
-  std::optional<CheckpointStore> store_;
+  std::optional<checkpoint::CheckpointStore> store_;
   std::optional<ProgressLog> progress_;
   std::optional<TensorBoardLog> events_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::record

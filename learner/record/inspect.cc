@@ -7,12 +7,12 @@
 #include "common/config/config_fields.h"
 #include "common/policy/network.h"
 
-namespace metronome {
+namespace metronome::record {
 namespace {
 
-std::vector<double> HeadStd(const Checkpoint& checkpoint) {
-  const NetworkShape shape = ShapeOf(checkpoint.config);
-  std::size_t at = ActorLayout(shape).log_std;
+std::vector<double> HeadStd(const checkpoint::Checkpoint& checkpoint) {
+  const policy::NetworkShape shape = policy::ShapeOf(checkpoint.config);
+  std::size_t at = policy::ActorLayout(shape).log_std;
   std::vector<double> std_of_head;
   for (int head = 0; head < shape.heads; ++head) {
     double sum = 0;
@@ -24,7 +24,7 @@ std::vector<double> HeadStd(const Checkpoint& checkpoint) {
 }
 
 std::string PolicyWord(const RunConfig& config, const std::string& field) {
-  return FieldText(config.policy(), *PolicyConfig::descriptor()->FindFieldByName(field));
+  return config::FieldText(config.policy(), *PolicyConfig::descriptor()->FindFieldByName(field));
 }
 
 using Json = nlohmann::ordered_json;
@@ -34,9 +34,9 @@ std::string Dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-Json Describe(const Checkpoint& checkpoint) {
+Json Describe(const checkpoint::Checkpoint& checkpoint) {
   const RunConfig& config = checkpoint.config;
-  const TrainState& state = checkpoint.state;
+  const checkpoint::TrainState& state = checkpoint.state;
   Json description = {
       {"version", state.version},
       {"steps", state.steps},
@@ -69,7 +69,7 @@ Json Describe(const Checkpoint& checkpoint) {
 
 }  // namespace
 
-void PrintCheckpoint(const Checkpoint& checkpoint, std::ostream& out) {
+void PrintCheckpoint(const checkpoint::Checkpoint& checkpoint, std::ostream& out) {
   const Json description = Describe(checkpoint);
   for (const auto& [name, value] : description.items()) {
     out << std::left << std::setw(18) << name + " "
@@ -77,8 +77,8 @@ void PrintCheckpoint(const Checkpoint& checkpoint, std::ostream& out) {
   }
 }
 
-void PrintCheckpointJson(const Checkpoint& checkpoint, std::ostream& out) {
+void PrintCheckpointJson(const checkpoint::Checkpoint& checkpoint, std::ostream& out) {
   out << Dump(Describe(checkpoint)) << "\n";
 }
 
-}  // namespace metronome
+}  // namespace metronome::record

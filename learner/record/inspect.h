@@ -4,10 +4,10 @@
 
 #include "common/checkpoint/checkpoint.h"
 
-namespace metronome {
+namespace metronome::record {
 
 /// What a checkpoint holds, for people: one `name  value` a line.
-void PrintCheckpoint(const Checkpoint& checkpoint, std::ostream& out);
+void PrintCheckpoint(const checkpoint::Checkpoint& checkpoint, std::ostream& out);
 
 /// The same as one JSON object on one line. Stable keys: version, steps, weights_sha256; further:
 /// task, algorithm, algorithm_format (of its state), method, heads, schedule, critic_heads, seed,
@@ -15,6 +15,6 @@ void PrintCheckpoint(const Checkpoint& checkpoint, std::ostream& out);
 /// critic_parameters (of the policy, and the rest), total_steps, wall_seconds and head_std ([k],
 /// mean of exp(log_std) over the action). Of a run that began with another one's weights also
 /// initial_weights (the path given) and initial_weights_sha256.
-void PrintCheckpointJson(const Checkpoint& checkpoint, std::ostream& out);
+void PrintCheckpointJson(const checkpoint::Checkpoint& checkpoint, std::ostream& out);
 
-}  // namespace metronome
+}  // namespace metronome::record

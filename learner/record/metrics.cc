@@ -2,10 +2,10 @@
 
 #include "learner/record/rates.h"
 
-namespace metronome {
+namespace metronome::record {
 namespace {
 
-std::vector<Metric> RunMetrics(const UpdateReport& report) {
+std::vector<algorithm::Metric> RunMetrics(const algorithm::UpdateReport& report) {
   return {
       {"steps", "train/steps", report.steps,
        "environment steps so far; the step of every TensorBoard point"},
@@ -19,7 +19,8 @@ std::vector<Metric> RunMetrics(const UpdateReport& report) {
        "share of episodes with success at the last step"}};
 }
 
-std::vector<Metric> WallMetrics(const UpdateReport& report, const WallReport& wall) {
+std::vector<algorithm::Metric> WallMetrics(const algorithm::UpdateReport& report,
+                                           const WallReport& wall) {
   return {{"fps", "wall/fps", StepsPerSecond(report.steps, wall.seconds),
            "wall-clock: environment steps a second since the start, stops left out"},
           {"wall_seconds", "wall/seconds", wall.seconds,
@@ -45,12 +46,13 @@ std::vector<Metric> WallMetrics(const UpdateReport& report, const WallReport& wa
 
 }  // namespace
 
-std::vector<Metric> MetricsOf(const UpdateReport& report, const WallReport& wall) {
-  std::vector<Metric> metrics = RunMetrics(report);
+std::vector<algorithm::Metric> MetricsOf(const algorithm::UpdateReport& report,
+                                         const WallReport& wall) {
+  std::vector<algorithm::Metric> metrics = RunMetrics(report);
   metrics.insert(metrics.end(), report.metrics.begin(), report.metrics.end());
-  const std::vector<Metric> of_wall = WallMetrics(report, wall);
+  const std::vector<algorithm::Metric> of_wall = WallMetrics(report, wall);
   metrics.insert(metrics.end(), of_wall.begin(), of_wall.end());
   return metrics;
 }
 
-}  // namespace metronome
+}  // namespace metronome::record

@@ -7,7 +7,7 @@
 #include "learner/algorithm/update_report.h"
 
 /// What is logged after an update: one list for progress.csv and TensorBoard.
-namespace metronome {
+namespace metronome::record {
 
 /// Wall-clock side of an update: the only numbers allowed to differ between two equal runs.
 struct WallReport {
@@ -26,6 +26,7 @@ struct WallReport {
 };
 
 /// All metrics in column order: the run's own, the algorithm's, the wall-clock ones.
-std::vector<Metric> MetricsOf(const UpdateReport& report, const WallReport& wall);
+std::vector<algorithm::Metric> MetricsOf(const algorithm::UpdateReport& report,
+                                         const WallReport& wall);
 
-}  // namespace metronome
+}  // namespace metronome::record

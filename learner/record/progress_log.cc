@@ -6,7 +6,7 @@
 #include "common/process/files.h"
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::record {
 namespace {
 
 std::size_t WholeLines(std::string_view content) {
@@ -14,16 +14,16 @@ std::size_t WholeLines(std::string_view content) {
   return last == std::string_view::npos ? 0 : last + 1;
 }
 
-std::string ValueText(const Metric& metric) {
+std::string ValueText(const algorithm::Metric& metric) {
   if (const auto* whole = std::get_if<std::uint64_t>(&metric.value)) return std::to_string(*whole);
-  return FormatNumber(std::get<double>(metric.value));
+  return text::FormatNumber(std::get<double>(metric.value));
 }
 
-std::string HeaderOf(const std::vector<Metric>& algorithm) {
-  UpdateReport report;
+std::string HeaderOf(const std::vector<algorithm::Metric>& algorithm) {
+  algorithm::UpdateReport report;
   report.metrics = algorithm;
   std::string header;
-  for (const Metric& metric : MetricsOf(report, {})) {
+  for (const algorithm::Metric& metric : MetricsOf(report, {})) {
     if (!header.empty()) header += ',';
     header += metric.column;
   }
@@ -32,9 +32,10 @@ std::string HeaderOf(const std::vector<Metric>& algorithm) {
 
 }  // namespace
 
-void ProgressLog::RequireHeader(const std::string& path, const std::vector<Metric>& algorithm) {
+void ProgressLog::RequireHeader(const std::string& path,
+                                const std::vector<algorithm::Metric>& algorithm) {
   if (!std::filesystem::exists(path)) return;
-  const std::string content = ReadFile(path);
+  const std::string content = process::ReadFile(path);
   const std::size_t size = content.find('\n') + 1;
   if (size == 0 || content.substr(0, size) == HeaderOf(algorithm)) return;
   throw std::invalid_argument(
@@ -43,15 +44,15 @@ void ProgressLog::RequireHeader(const std::string& path, const std::vector<Metri
       "file away, and a new one begins with the next update");
 }
 
-ProgressLog::ProgressLog(const std::string& path, const std::vector<Metric>& algorithm,
+ProgressLog::ProgressLog(const std::string& path, const std::vector<algorithm::Metric>& algorithm,
                          std::uint64_t keep_bytes)
     : file_(path, keep_bytes, WholeLines) {
   if (file_.size() == 0) file_.Append(HeaderOf(algorithm));
 }
 
-void ProgressLog::Append(const std::vector<Metric>& metrics) {
+void ProgressLog::Append(const std::vector<algorithm::Metric>& metrics) {
   std::string row;
-  for (const Metric& metric : metrics) {
+  for (const algorithm::Metric& metric : metrics) {
     if (!row.empty()) row += ',';
     row += ValueText(metric);
   }
@@ -59,4 +60,4 @@ void ProgressLog::Append(const std::vector<Metric>& metrics) {
   file_.Append(row);
 }
 
-}  // namespace metronome
+}  // namespace metronome::record

@@ -7,7 +7,7 @@
 #include "learner/record/metrics.h"
 #include "learner/record/record_file.h"
 
-namespace metronome {
+namespace metronome::record {
 
 /// progress.csv: a header, then one row an update, each number in the shortest form that reads back
 /// as the same bits. Two runs of equal configuration have equal columns but for the wall-clock
@@ -17,16 +17,17 @@ class ProgressLog {
   /// Of a file that is to be gone on with: rows of this build under another header would be taken
   /// for other columns. @throws std::invalid_argument with the remedy.
   /// @param algorithm  the metrics of the run's algorithm, whatever their values.
-  static void RequireHeader(const std::string& path, const std::vector<Metric>& algorithm);
+  static void RequireHeader(const std::string& path,
+                            const std::vector<algorithm::Metric>& algorithm);
 
   /// @param algorithm   as above.
   /// @param keep_bytes  LogOffsets::progress_bytes of the checkpoint gone on from; 0: a new file.
   /// @throws std::system_error, see RecordFile.
-  ProgressLog(const std::string& path, const std::vector<Metric>& algorithm,
+  ProgressLog(const std::string& path, const std::vector<algorithm::Metric>& algorithm,
               std::uint64_t keep_bytes);
 
   /// Writes a row; it is in the file when this returns, or waits for room (see RecordFile).
-  void Append(const std::vector<Metric>& metrics);
+  void Append(const std::vector<algorithm::Metric>& metrics);
 
   /// For LogOffsets::progress_bytes.
   [[nodiscard]] std::uint64_t bytes() const { return file_.size(); }
@@ -38,4 +39,4 @@ class ProgressLog {
   RecordFile file_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::record

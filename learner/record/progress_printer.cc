@@ -7,7 +7,7 @@
 
 #include "learner/record/rates.h"
 
-namespace metronome {
+namespace metronome::record {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -54,7 +54,7 @@ void ProgressPrinter::Started(std::uint64_t version, std::uint64_t steps) {
   }
 }
 
-void ProgressPrinter::Updated(const UpdateReport& report, const WallReport& wall) {
+void ProgressPrinter::Updated(const algorithm::UpdateReport& report, const WallReport& wall) {
   updates_total_ = facts_.length.UpdatesAt(report.version, report.steps);
   const double fps = StepsPerSecond(report.steps, wall.seconds);
   const double eta = SecondsLeft(report.steps, facts_.length.total_steps, fps);
@@ -109,4 +109,4 @@ void ProgressPrinter::Interrupted(std::uint64_t version, const std::string& chec
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::record

@@ -8,7 +8,7 @@
 #include "learner/record/metrics.h"
 #include "learner/record/run_length.h"
 
-namespace metronome {
+namespace metronome::record {
 
 enum class ProgressStyle { kLines, kJson, kNone };
 
@@ -35,7 +35,7 @@ class ProgressPrinter {
 
   /// The run is accepted; `version` updates were made before.
   void Started(std::uint64_t version, std::uint64_t steps);
-  void Updated(const UpdateReport& report, const WallReport& wall);
+  void Updated(const algorithm::UpdateReport& report, const WallReport& wall);
   void Finished(const std::string& accounting, const std::string& checkpoint,
                 const std::string& weights_sha256);
   void Interrupted(std::uint64_t version, const std::string& checkpoint);
@@ -49,4 +49,4 @@ class ProgressPrinter {
   std::function<void(std::string)> say_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::record

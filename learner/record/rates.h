@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace metronome {
+namespace metronome::record {
 
 /// Steps a second, of `steps` in `seconds`; 0 before any time has passed.
 inline double StepsPerSecond(std::uint64_t steps, double seconds) {
@@ -15,4 +15,4 @@ inline double SecondsLeft(std::uint64_t steps, std::uint64_t total, double rate)
   return rate > 0 ? static_cast<double>(total - std::min(steps, total)) / rate : 0;
 }
 
-}  // namespace metronome
+}  // namespace metronome::record

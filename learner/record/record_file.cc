@@ -11,7 +11,7 @@
 
 #include "common/process/files.h"
 
-namespace metronome {
+namespace metronome::record {
 namespace {
 
 bool WriteAll(int fd, std::string_view bytes) {
@@ -32,7 +32,7 @@ RecordFile::RecordFile(std::string path, std::uint64_t keep_bytes, const WholePr
   fd_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (fd_ < 0) throw std::system_error(errno, std::generic_category(), "cannot open " + path_);
   try {
-    const std::string content = ReadFile(path_);
+    const std::string content = process::ReadFile(path_);
     const auto kept = std::min<std::size_t>(content.size(), keep_bytes);
     CutTo(whole_prefix(std::string_view(content).substr(0, kept)));
   } catch (...) {
@@ -80,4 +80,4 @@ void RecordFile::CutTo(std::uint64_t bytes) {
   size_ = bytes;
 }
 
-}  // namespace metronome
+}  // namespace metronome::record

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace metronome {
+namespace metronome::record {
 
 /// A log file of whole records: what is in it can always be read, whatever went wrong before.
 /// Not thread-safe.
@@ -43,4 +43,4 @@ class RecordFile {
   std::string waiting_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::record

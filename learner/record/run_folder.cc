@@ -19,7 +19,7 @@
 #include "common/process/files.h"
 #include "common/process/process_identity.h"
 
-namespace metronome {
+namespace metronome::record {
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,7 +29,9 @@ namespace fs = std::filesystem;
 }
 
 // Who holds the lock, for the message alone: the lock itself never depends on it.
-std::string HolderText() { return "process " + std::to_string(getpid()) + " on " + HostName(); }
+std::string HolderText() {
+  return "process " + std::to_string(getpid()) + " on " + process::HostName();
+}
 
 /// Whether making the folder failed because another process made or removed it meanwhile.
 bool IsRace(const std::error_code& error, const std::string& path) {
@@ -104,7 +106,7 @@ std::uint64_t RunFolder::NextIncarnation(std::uint64_t seen) {
                  seen);
   }
   if (fs::exists(file)) {
-    const std::string text = ReadFile(file);
+    const std::string text = process::ReadFile(file);
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), last);
     if (error != std::errc() || last == std::numeric_limits<std::uint64_t>::max()) {
       spdlog::warn("{} holds no number that can grow; going on from the checkpoint's {}", file,
@@ -113,7 +115,7 @@ std::uint64_t RunFolder::NextIncarnation(std::uint64_t seen) {
     }
   }
   const std::uint64_t next = std::max(last, seen) + 1;
-  WriteFileAtomically(file, std::to_string(next) + "\n");
+  process::WriteFileAtomically(file, std::to_string(next) + "\n");
   return next;
 }
 
@@ -136,4 +138,4 @@ std::string ConfigPathOf(const std::string& run_folder) {
   return (fs::path(run_folder) / "config.textproto").string();
 }
 
-}  // namespace metronome
+}  // namespace metronome::record

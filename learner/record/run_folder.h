@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace metronome {
+namespace metronome::record {
 
 /// Another learner on this machine (or on this shared disk) has the run's folder.
 class RunFolderBusy : public std::runtime_error {
@@ -47,4 +47,4 @@ class RunFolder {
 /// RUN_FOLDER/config.textproto, the resolved configuration of a run.
 std::string ConfigPathOf(const std::string& run_folder);
 
-}  // namespace metronome
+}  // namespace metronome::record

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace metronome {
+namespace metronome::record {
 
 /// How long a run is to be, for people. Where episodes end early each update brings as many steps
 /// as it does, so the number of updates is known at the end alone.
@@ -23,4 +23,4 @@ struct RunLength {
   }
 };
 
-}  // namespace metronome
+}  // namespace metronome::record

@@ -6,7 +6,7 @@
 
 #include "learner/record/tensorboard_event.pb.h"
 
-namespace metronome {
+namespace metronome::record {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "record frames are copied as they lie");
@@ -67,10 +67,10 @@ TensorBoardLog::TensorBoardLog(const std::string& path, std::uint64_t keep_bytes
   file_.Append(Record(event.SerializeAsString()));
 }
 
-void TensorBoardLog::Append(std::uint64_t steps, const std::vector<Metric>& metrics) {
+void TensorBoardLog::Append(std::uint64_t steps, const std::vector<algorithm::Metric>& metrics) {
   tensorboard::Event event = NewEvent();
   event.set_step(static_cast<std::int64_t>(steps));
-  for (const Metric& metric : metrics) {
+  for (const algorithm::Metric& metric : metrics) {
     auto* value = event.mutable_summary()->add_value();
     value->set_tag(metric.tag);
     value->set_simple_value(std::visit([](auto v) { return static_cast<float>(v); }, metric.value));
@@ -78,4 +78,4 @@ void TensorBoardLog::Append(std::uint64_t steps, const std::vector<Metric>& metr
   file_.Append(Record(event.SerializeAsString()));
 }
 
-}  // namespace metronome
+}  // namespace metronome::record

@@ -8,7 +8,7 @@
 #include "learner/record/metrics.h"
 #include "learner/record/record_file.h"
 
-namespace metronome {
+namespace metronome::record {
 
 /// A TensorBoard event file of scalars over environment steps. Tags are Metric::tag; those under
 /// wall/ are wall-clock time. Not thread-safe.
@@ -24,7 +24,7 @@ class TensorBoardLog {
   TensorBoardLog(const std::string& path, std::uint64_t keep_bytes);
 
   /// Writes one event with all metrics at `steps`. A failure is logged, not thrown.
-  void Append(std::uint64_t steps, const std::vector<Metric>& metrics);
+  void Append(std::uint64_t steps, const std::vector<algorithm::Metric>& metrics);
 
   /// For LogOffsets::events_bytes.
   [[nodiscard]] std::uint64_t bytes() const { return file_.size(); }
@@ -39,4 +39,4 @@ class TensorBoardLog {
 /// CRC-32C (Castagnoli, RFC 3720 appendix B.4).
 std::uint32_t Crc32c(std::string_view bytes);
 
-}  // namespace metronome
+}  // namespace metronome::record

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace metronome {
+namespace metronome::run {
 
 BackgroundThread::BackgroundThread(const std::string& name) : thread_([this] { Loop(); }) {
   pthread_setname_np(thread_.native_handle(), name.substr(0, 15).c_str());
@@ -45,4 +45,4 @@ void BackgroundThread::Loop() {
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::run

@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-namespace metronome {
+namespace metronome::run {
 
 /// Runs one piece of work at a time beside the caller.
 class Background {
@@ -37,4 +37,4 @@ class BackgroundThread final : public Background {
   std::thread thread_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::run

@@ -3,9 +3,9 @@
 #include <chrono>
 #include <utility>
 
-namespace metronome {
+namespace metronome::run {
 
-BackgroundUpdate::BackgroundUpdate(Algorithm* algorithm, Background* background,
+BackgroundUpdate::BackgroundUpdate(algorithm::Algorithm* algorithm, Background* background,
                                    std::function<TimePoint()> now, std::function<void()> wake)
     : algorithm_(*algorithm),
       background_(*background),
@@ -14,7 +14,7 @@ BackgroundUpdate::BackgroundUpdate(Algorithm* algorithm, Background* background,
 
 BackgroundUpdate::~BackgroundUpdate() { background_.Wait(); }
 
-void BackgroundUpdate::Start(Collector::Collected collected, double collect_seconds) {
+void BackgroundUpdate::Start(collect::Collector::Collected collected, double collect_seconds) {
   Outcome begun;
   begun.collected = std::move(collected);
   begun.collect_seconds = collect_seconds;
@@ -50,4 +50,4 @@ std::optional<BackgroundUpdate::Outcome> BackgroundUpdate::Take() {
   return outcome;
 }
 
-}  // namespace metronome
+}  // namespace metronome::run

@@ -10,7 +10,7 @@
 #include "learner/collect/collector.h"
 #include "learner/run/background.h"
 
-namespace metronome {
+namespace metronome::run {
 
 /// The hand-over of a batch to the thread that learns from it, and of what came of it back. For one
 /// thread, the coordinator's.
@@ -20,23 +20,23 @@ class BackgroundUpdate {
 
   /// What came of a batch.
   struct Outcome {
-    Collector::Collected collected;
+    collect::Collector::Collected collected;
     double collect_seconds = 0;
-    UpdateReport report;
+    algorithm::UpdateReport report;
     double seconds = 0;        // that learning took
     std::exception_ptr error;  // in place of the report
   };
 
   /// @param wake  called by the other thread once there is an outcome. All must outlive this.
-  BackgroundUpdate(Algorithm* algorithm, Background* background, std::function<TimePoint()> now,
-                   std::function<void()> wake);
+  BackgroundUpdate(algorithm::Algorithm* algorithm, Background* background,
+                   std::function<TimePoint()> now, std::function<void()> wake);
   /// Waits for the other thread.
   ~BackgroundUpdate();
   BackgroundUpdate(const BackgroundUpdate&) = delete;
   BackgroundUpdate& operator=(const BackgroundUpdate&) = delete;
 
   /// @throws std::logic_error while another one runs.
-  void Start(Collector::Collected collected, double collect_seconds);
+  void Start(collect::Collector::Collected collected, double collect_seconds);
   /// Between Start and the outcome's being taken.
   [[nodiscard]] bool runs() const { return runs_; }
   /// Never blocks for long. @return what came of it, once.
@@ -45,7 +45,7 @@ class BackgroundUpdate {
  private:
   void Learn(Outcome outcome);
 
-  Algorithm& algorithm_;
+  algorithm::Algorithm& algorithm_;
   Background& background_;
   std::function<TimePoint()> now_;
   std::function<void()> wake_;
@@ -54,4 +54,4 @@ class BackgroundUpdate {
   std::optional<Outcome> outcome_;  // guarded by mutex_
 };
 
-}  // namespace metronome
+}  // namespace metronome::run

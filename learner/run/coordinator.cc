@@ -10,7 +10,7 @@
 #include "common/process/cpu_times.h"
 #include "common/process/exit_codes.h"
 
-namespace metronome {
+namespace metronome::run {
 namespace {
 
 // Nothing is due before this: waiting longer would be as good.
@@ -23,8 +23,9 @@ double SecondsBetween(Clock::time_point from, Clock::time_point to) {
 
 }  // namespace
 
-Coordinator::Coordinator(CoordinatorSetup setup, LearnerBus& bus, Algorithm& algorithm,
-                         RunRecord& record, Background& background, std::function<TimePoint()> now)
+Coordinator::Coordinator(CoordinatorSetup setup, LearnerBus& bus, algorithm::Algorithm& algorithm,
+                         record::RunRecord& record, Background& background,
+                         std::function<TimePoint()> now)
     : setup_(std::move(setup)),
       bus_(bus),
       algorithm_(algorithm),
@@ -50,7 +51,7 @@ void Coordinator::RequestStop(int signal) {
 
 int Coordinator::Run() {
   if (const auto refused = AwaitRivals()) return *refused;
-  if (!Begin()) return kExitFailure;
+  if (!Begin()) return process::kExitFailure;
   Serve();
   WaitForUpdate();
   return End();
@@ -60,10 +61,10 @@ int Coordinator::Run() {
 std::optional<int> Coordinator::AwaitRivals() {
   bus_.Publish(setup_.description);
   while (!rivals_.MayServe(now_())) {
-    if (stop_signal_ != 0) return kExitSignalBase + stop_signal_;
+    if (stop_signal_ != 0) return process::kExitSignalBase + stop_signal_;
     if (const auto reason = rivals_.MustStop(now_())) {
       spdlog::error("{}; stop that one first, or give this run another --run NAME", *reason);
-      return kExitRival;
+      return process::kExitRival;
     }
     const auto event = bus_.Wait(rivals_.NextDeadline(now_()).value_or(now_() + kLongWait));
     if (!event) continue;
@@ -82,7 +83,7 @@ std::optional<int> Coordinator::AwaitRivals() {
 
 // The state is safely on disk before the first order.
 bool Coordinator::Begin() {
-  const TrainState state = CopyState();
+  const checkpoint::TrainState state = CopyState();
   record_.Begin();
   if (!setup_.resumed && !Save(state)) {
     spdlog::error("no checkpoint can be written, so nothing is started");
@@ -114,10 +115,10 @@ void Coordinator::PublishState(bool previous_too) {
 void Coordinator::Serve() {
   while (!ending_ && !IsFinished()) {
     ServeOnce();
-    if (stop_signal_ != 0) ending_ = kExitSignalBase + stop_signal_;
+    if (stop_signal_ != 0) ending_ = process::kExitSignalBase + stop_signal_;
     if (const auto reason = rivals_.MustStop(now_())) {
       spdlog::error("{}; this learner stops", *reason);
-      ending_ = kExitRival;
+      ending_ = process::kExitRival;
     }
   }
 }
@@ -158,7 +159,7 @@ void Coordinator::Handle(LearnerEvent event, TimePoint now) {
 }
 
 void Coordinator::KeepExclusions(TimePoint now) {
-  const ExcludedHosts& excluded = collector_.excluded();
+  const collect::trust::ExcludedHosts& excluded = collector_.excluded();
   if (excluded.size() == exclusions_kept_ || now < keep_exclusions_from_) return;
   try {
     record_.Excluded(excluded);
@@ -231,7 +232,7 @@ void Coordinator::FinishUpdateIfDone() {
   PublishState(false);
   if (!ending_ && !IsFinished()) collector_.SendOrders(now_());
   const bool milestone = setup_.milestone_every > 0 && version_ % setup_.milestone_every == 0;
-  std::optional<TrainState> state;  // to encode it takes a while
+  std::optional<checkpoint::TrainState> state;  // to encode it takes a while
   if (version_ % setup_.checkpoint_every == 0 || milestone || IsFinished()) state = CopyState();
   // Actors and the next update go on while the disk is busy.
   StartUpdateIfReady();
@@ -242,11 +243,11 @@ void Coordinator::FinishUpdateIfDone() {
 void Coordinator::OnUpdateFailed(const std::exception_ptr& error) {
   try {
     std::rethrow_exception(error);
-  } catch (const NonFiniteUpdate& failure) {
-    ending_ = kExitNonFinite;
+  } catch (const algorithm::NonFiniteUpdate& failure) {
+    ending_ = process::kExitNonFinite;
     spdlog::error("update to version {} stops the run: {}", version_ + 1, failure.what());
   } catch (const std::exception& failure) {
-    ending_ = kExitFailure;
+    ending_ = process::kExitFailure;
     spdlog::error("update to version {} failed: {}", version_ + 1, failure.what());
   }
 }
@@ -260,8 +261,8 @@ void Coordinator::WaitForUpdate() {
 }
 
 void Coordinator::TellProgress(const BackgroundUpdate::Outcome& outcome) {
-  const CpuTimer timer(CpuUse::kSave);
-  const WallReport wall = WallReportOf(outcome);
+  const process::CpuTimer timer(process::CpuUse::kSave);
+  const record::WallReport wall = WallReportOf(outcome);
   status_.Updated(outcome.report, wall);
   try {
     record_.Updated(outcome.report, wall);
@@ -271,9 +272,9 @@ void Coordinator::TellProgress(const BackgroundUpdate::Outcome& outcome) {
   }
 }
 
-WallReport Coordinator::WallReportOf(const BackgroundUpdate::Outcome& outcome) {
+record::WallReport Coordinator::WallReportOf(const BackgroundUpdate::Outcome& outcome) {
   const TimePoint now = now_();
-  WallReport wall;
+  record::WallReport wall;
   wall.seconds = setup_.seconds_before + SecondsBetween(serving_since_, now);
   wall.collect_seconds = outcome.collect_seconds;
   wall.update_seconds = outcome.seconds;
@@ -286,14 +287,14 @@ WallReport Coordinator::WallReportOf(const BackgroundUpdate::Outcome& outcome) {
   return wall;
 }
 
-TrainState Coordinator::CopyState() const {
-  TrainState state = algorithm_.State();
+checkpoint::TrainState Coordinator::CopyState() const {
+  checkpoint::TrainState state = algorithm_.State();
   state.canonical_digest = collector_.digest();
   return state;
 }
 
-bool Coordinator::Save(const TrainState& state) {
-  const CpuTimer timer(CpuUse::kSave);
+bool Coordinator::Save(const checkpoint::TrainState& state) {
+  const process::CpuTimer timer(process::CpuUse::kSave);
   try {
     record_.Save(state);
     saved_version_ = state.version;
@@ -310,26 +311,27 @@ bool Coordinator::Save(const TrainState& state) {
 
 // The last complete version is on disk before anything else is said.
 int Coordinator::End() {
-  const TrainState state = CopyState();
+  const checkpoint::TrainState state = CopyState();
   const bool saved = saved_version_ == state.version || Save(state);
   if (!ending_ && !saved) {
     spdlog::error("the run is finished, but its end is not on disk; make room and use --resume");
     Farewell();
-    return kExitFailure;
+    return process::kExitFailure;
   }
   if (!ending_) return EndFinished(state);
-  if (*ending_ > kExitSignalBase && !saved) ending_ = kExitFailure;  // Save has said what is kept
+  if (*ending_ > process::kExitSignalBase && !saved)
+    ending_ = process::kExitFailure;  // Save has said what is kept
   if (saved) {
     spdlog::info("stopped after update {} of {}; the last good checkpoint is {}", state.version,
                  setup_.status.length.UpdatesAt(state.version, state.steps),
                  record_.LatestCheckpoint());
   }
-  if (*ending_ > kExitSignalBase) record_.Interrupted(state);
+  if (*ending_ > process::kExitSignalBase) record_.Interrupted(state);
   PublishStatus(LearnerStatus::State::kStopped);
   return *ending_;
 }
 
-int Coordinator::EndFinished(const TrainState& state) {
+int Coordinator::EndFinished(const checkpoint::TrainState& state) {
   const bool exact = collector_.Account(version_).exact();
   const std::string accounting = AccountingText();
   if (!exact) spdlog::error("{}", accounting);
@@ -337,7 +339,7 @@ int Coordinator::EndFinished(const TrainState& state) {
   record_.Finished(state, accounting);
   PublishStatus(LearnerStatus::State::kFinished);
   Farewell();
-  return exact ? kExitFinished : kExitFailure;
+  return exact ? process::kExitFinished : process::kExitFailure;
 }
 
 // Actors that know that the run is finished leave by themselves.
@@ -355,8 +357,8 @@ void Coordinator::Farewell() {
 }
 
 std::string Coordinator::AccountingText() const {
-  const BatchStore::Accounting accounting = collector_.Account(version_);
-  const EpisodeCounts& counts = collector_.counts();
+  const collect::BatchStore::Accounting accounting = collector_.Account(version_);
+  const collect::EpisodeCounts& counts = collector_.counts();
   std::string text = accounting.exact() ? "every episode number entered exactly one update: "
                                         : "NOT every episode number entered exactly one update: ";
   text += std::to_string(accounting.once) + " of " + std::to_string(accounting.total) +
@@ -371,4 +373,4 @@ std::string Coordinator::AccountingText() const {
   return text + ")";
 }
 
-}  // namespace metronome
+}  // namespace metronome::run

@@ -19,18 +19,19 @@
 #include "learner/run/rival_watch.h"
 #include "learner/run/status_report.h"
 
-namespace metronome {
+namespace metronome::run {
 
 /// What a coordinator is told once.
 struct CoordinatorSetup {
   RunDescription description;  // serving and finished are the coordinator's to set
-  OrderRules rules;  // updates_total: where episodes end early, more than there ever will be
+  collect::orders::OrderRules
+      rules;  // updates_total: where episodes end early, more than there ever will be
   /// Of the environment: the run ends with the update that reaches them, or with the last one.
   std::uint64_t total_steps = std::numeric_limits<std::uint64_t>::max();
-  TrustRules trust;
-  AuditRules audit;
-  ExcludedHosts excluded;        // by earlier starts
-  std::string canonical_digest;  // the checkpoint's; empty at first
+  collect::trust::TrustRules trust;
+  collect::trust::AuditRules audit;
+  collect::trust::ExcludedHosts excluded;  // by earlier starts
+  std::string canonical_digest;            // the checkpoint's; empty at first
   StatusFacts status;
   std::function<void(const LearnerStatus&)> on_status;  // called with each that is published
   double seconds_before = 0;           // wall-clock: that the run took before this start
@@ -53,8 +54,9 @@ class Coordinator {
 
   /// The arguments must outlive the coordinator.
   /// @param now  the clock that bus.Wait's deadlines refer to.
-  Coordinator(CoordinatorSetup setup, LearnerBus& bus, Algorithm& algorithm, RunRecord& record,
-              Background& background, std::function<TimePoint()> now = Clock::now);
+  Coordinator(CoordinatorSetup setup, LearnerBus& bus, algorithm::Algorithm& algorithm,
+              record::RunRecord& record, Background& background,
+              std::function<TimePoint()> now = Clock::now);
   Coordinator(const Coordinator&) = delete;
   Coordinator& operator=(const Coordinator&) = delete;
 
@@ -63,8 +65,8 @@ class Coordinator {
   /// or the run's files cannot be opened at the start.
   int Run();
 
-  /// Ends Run with a checkpoint and 128 + signal; if none can be written, with kExitFailure. Any
-  /// thread; not from a signal handler.
+  /// Ends Run with a checkpoint and 128 + signal; if none can be written, with
+  /// process::kExitFailure. Any thread; not from a signal handler.
   void RequestStop(int signal);
 
  private:
@@ -86,23 +88,23 @@ class Coordinator {
   void OnUpdateFailed(const std::exception_ptr& error);
   void WaitForUpdate();
   void TellProgress(const BackgroundUpdate::Outcome& outcome);
-  [[nodiscard]] WallReport WallReportOf(const BackgroundUpdate::Outcome& outcome);
+  [[nodiscard]] record::WallReport WallReportOf(const BackgroundUpdate::Outcome& outcome);
 
-  [[nodiscard]] TrainState CopyState() const;
-  bool Save(const TrainState& state);
+  [[nodiscard]] checkpoint::TrainState CopyState() const;
+  bool Save(const checkpoint::TrainState& state);
   int End();
-  int EndFinished(const TrainState& state);
+  int EndFinished(const checkpoint::TrainState& state);
   void Farewell();
   [[nodiscard]] std::string AccountingText() const;
 
   CoordinatorSetup setup_;
   LearnerBus& bus_;
-  Algorithm& algorithm_;
-  RunRecord& record_;
+  algorithm::Algorithm& algorithm_;
+  record::RunRecord& record_;
   std::function<TimePoint()> now_;
 
   RivalWatch rivals_;
-  Collector collector_;
+  collect::Collector collector_;
   StatusReport status_;
   std::size_t exclusions_kept_;
   TimePoint keep_exclusions_from_;  // after one that could not be written
@@ -118,4 +120,4 @@ class Coordinator {
   BackgroundUpdate update_;    // last: what runs there refers to the rest
 };
 
-}  // namespace metronome
+}  // namespace metronome::run

@@ -7,16 +7,17 @@
 #include "common/policy/network.h"
 #include "common/process/build_info.h"
 
-namespace metronome {
+namespace metronome::run {
 namespace {
 
 using Texts = std::map<std::string, std::string>;  // dotted path -> value
 
 Texts TextsOf(const RunConfig& config) {
   Texts texts;
-  VisitFields(Resolve(config), [&](const std::string& path, const auto& owner, const auto& field) {
-    texts[path] = FieldText(owner, field);
-  });
+  config::VisitFields(config::Resolve(config),
+                      [&](const std::string& path, const auto& owner, const auto& field) {
+                        texts[path] = config::FieldText(owner, field);
+                      });
   return texts;
 }
 
@@ -25,45 +26,47 @@ std::string DifferenceOf(const std::string& path, const std::string& there,
   return path + ": trained with " + there + ", this run has " + here;
 }
 
-void RequireSameAlgorithm(const Checkpoint& source, const RunConfig& config) {
-  const std::string here = AlgorithmName(config);
+void RequireSameAlgorithm(const checkpoint::Checkpoint& source, const RunConfig& config) {
+  const std::string here = config::AlgorithmName(config);
   if (source.state.algorithm.name == here) return;
-  throw ConfigError("--from " + config.policy().initial_weights() + ": its algorithm is " +
-                    source.state.algorithm.name + ", this run's is " + here);
+  throw config::ConfigError("--from " + config.policy().initial_weights() + ": its algorithm is " +
+                            source.state.algorithm.name + ", this run's is " + here);
 }
 
-void RequireSameNetwork(const Checkpoint& source, const RunConfig& config) {
+void RequireSameNetwork(const checkpoint::Checkpoint& source, const RunConfig& config) {
   const std::string& path = config.policy().initial_weights();
   const Texts there = TextsOf(source.config), here = TextsOf(config);
   std::vector<std::string> fields = {"policy.method", "policy.heads", "policy.hidden"};
   // With one head, separate and shared critics are the same network.
-  if (ShapeOf(source.config).critic_heads != ShapeOf(config).critic_heads) {
+  if (policy::ShapeOf(source.config).critic_heads != policy::ShapeOf(config).critic_heads) {
     fields.emplace_back("policy.critic_heads");
   }
   const auto other = std::find_if(fields.begin(), fields.end(), [&](const std::string& field) {
     return there.at(field) != here.at(field);
   });
-  if (other == fields.end()) return RequireShape(source, config, path);
-  throw ConfigError("--from " + path + ": its " + *other + " is " + there.at(*other) +
-                    ", this run's is " + here.at(*other) +
-                    ": weights fit the same method, heads and sizes alone (--set " + *other + "=" +
-                    there.at(*other) + ")");
+  if (other == fields.end()) return checkpoint::RequireShape(source, config, path);
+  throw config::ConfigError("--from " + path + ": its " + *other + " is " + there.at(*other) +
+                            ", this run's is " + here.at(*other) +
+                            ": weights fit the same method, heads and sizes alone (--set " +
+                            *other + "=" + there.at(*other) + ")");
 }
 
 }  // namespace
 
-Checkpoint LoadInitialWeights(const RunConfig& config, const SpecSource& specs) {
+checkpoint::Checkpoint LoadInitialWeights(const RunConfig& config,
+                                          const config::SpecSource& specs) {
   try {
-    Checkpoint source = LoadCheckpoint(config.policy().initial_weights(), specs);
+    checkpoint::Checkpoint source =
+        checkpoint::LoadCheckpoint(config.policy().initial_weights(), specs);
     RequireSameAlgorithm(source, config);
     RequireSameNetwork(source, config);
     return source;
-  } catch (const CheckpointError& error) {
-    throw ConfigError("--from: " + std::string(error.what()));
+  } catch (const checkpoint::CheckpointError& error) {
+    throw config::ConfigError("--from: " + std::string(error.what()));
   }
 }
 
-TrainingDifferences DifferencesFrom(const Checkpoint& source, const RunConfig& config) {
+TrainingDifferences DifferencesFrom(const checkpoint::Checkpoint& source, const RunConfig& config) {
   TrainingDifferences differences;
   const Texts there = TextsOf(source.config);
   for (const auto& [path, here] : TextsOf(config)) {
@@ -77,11 +80,11 @@ TrainingDifferences DifferencesFrom(const Checkpoint& source, const RunConfig& c
     (of_heads ? differences.doubtful : differences.intended)
         .push_back(DifferenceOf(path, there.at(path), here));
   }
-  if (source.engine != EngineName()) {
+  if (source.engine != process::EngineName()) {
     differences.intended.push_back("engine: trained on " + source.engine + ", this run is on " +
-                                   EngineName());
+                                   process::EngineName());
   }
   return differences;
 }
 
-}  // namespace metronome
+}  // namespace metronome::run

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace metronome {
+namespace metronome::run {
 
 RivalWatch::RivalWatch(std::uint64_t own_id, const RivalTimes& times, TimePoint started)
     : own_id_(own_id), times_(times), started_(started) {}
@@ -64,4 +64,4 @@ std::optional<RivalWatch::TimePoint> RivalWatch::NextDeadline(TimePoint now) con
   return next;
 }
 
-}  // namespace metronome
+}  // namespace metronome::run

@@ -8,7 +8,7 @@
 
 #include "common/messages/messages.h"
 
-namespace metronome {
+namespace metronome::run {
 
 /// How long a starting learner looks around, and how long a dead one may still be seen.
 struct RivalTimes {
@@ -58,4 +58,4 @@ class RivalWatch {
   std::map<std::uint64_t, Rival> rivals_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::run

@@ -11,10 +11,10 @@
 #include "learner/record/run_folder.h"
 #include "learner/run/initial_weights.h"
 
-namespace metronome {
+namespace metronome::run {
 namespace {
 
-void TellSource(const Checkpoint& source, const RunConfig& config) {
+void TellSource(const checkpoint::Checkpoint& source, const RunConfig& config) {
   spdlog::info("beginning with weights and observation statistics of {} ({}, update {}, {} steps)",
                config.policy().initial_weights(), source.config.environment().task(),
                source.state.version, source.state.steps);
@@ -25,19 +25,19 @@ void TellSource(const Checkpoint& source, const RunConfig& config) {
   }
 }
 
-RunStart FreshStart(const RunRequest& request, const AlgorithmFactory& factory) {
+RunStart FreshStart(const RunRequest& request, const algorithm::AlgorithmFactory& factory) {
   const RunConfig& config = request.config;
   RunStart start;
   start.checkpoint.config = config;
-  start.checkpoint.engine = EngineName();
+  start.checkpoint.engine = process::EngineName();
   if (config.policy().initial_weights().empty()) {
     start.checkpoint.state = factory.InitialState(config, nullptr);
     return start;
   }
-  const Checkpoint source = LoadInitialWeights(config, request.specs);
+  const checkpoint::Checkpoint source = LoadInitialWeights(config, request.specs);
   try {
     start.checkpoint.state = factory.InitialState(config, &source.state);
-  } catch (const UnusableState& error) {
+  } catch (const algorithm::UnusableState& error) {
     throw CannotStart("--from " + config.policy().initial_weights() + ": " + error.what());
   }
   start.checkpoint.initial_weights_sha256 = source.state.weights.sha256;
@@ -49,7 +49,7 @@ RunStart FreshStart(const RunRequest& request, const AlgorithmFactory& factory) 
 void RequireNoProgress(const RunRequest& request, const std::string& checkpoints) {
   const std::string path = request.folder + "/progress.csv";
   if (!std::filesystem::exists(path)) return;
-  const std::string content = ReadFile(path);
+  const std::string content = process::ReadFile(path);
   const auto lines = std::count(content.begin(), content.end(), '\n');
   if (lines <= 1) return;
   throw CannotStart("run " + request.run + " has lost its checkpoints: " + path + " tells of " +
@@ -57,23 +57,23 @@ void RequireNoProgress(const RunRequest& request, const std::string& checkpoints
                     "; put a copy there, or begin anew under another --run");
 }
 
-void RequireSameRun(const FoundCheckpoint& found, const RunRequest& request) {
-  const Checkpoint& checkpoint = found.checkpoint;
-  if (checkpoint.engine != EngineName()) {
+void RequireSameRun(const checkpoint::FoundCheckpoint& found, const RunRequest& request) {
+  const checkpoint::Checkpoint& checkpoint = found.checkpoint;
+  if (checkpoint.engine != process::EngineName()) {
     throw CannotStart(found.path + " was trained on " + checkpoint.engine +
-                      ", this learner is built for " + EngineName() + ": resume with a build for " +
-                      checkpoint.engine);
+                      ", this learner is built for " + process::EngineName() +
+                      ": resume with a build for " + checkpoint.engine);
   }
-  RequireShape(checkpoint, request.config, found.path);
+  checkpoint::RequireShape(checkpoint, request.config, found.path);
   // The total may differ: the command line has compared it with the run's own file.
-  const auto differences = CompareForResume(checkpoint.config, request.config, true);
+  const auto differences = config::CompareForResume(checkpoint.config, request.config, true);
   if (differences.empty()) return;
   throw CannotStart(found.path + " belongs to another configuration than " +
-                    ConfigPathOf(request.folder) +
+                    record::ConfigPathOf(request.folder) +
                     " (remove that one to go on with the checkpoint's): " + differences.front());
 }
 
-void Tell(const FoundCheckpoint& found) {
+void Tell(const checkpoint::FoundCheckpoint& found) {
   if (found.passed_over.empty()) {
     spdlog::info("going on from {}", found.path);
     return;
@@ -87,10 +87,10 @@ void Tell(const FoundCheckpoint& found) {
 
 }  // namespace
 
-RunStart StartOf(const RunRequest& request, const AlgorithmFactory& factory) {
+RunStart StartOf(const RunRequest& request, const algorithm::AlgorithmFactory& factory) {
   if (!request.resume) return FreshStart(request, factory);
   const std::string folder = request.folder + "/checkpoints";
-  auto found = FindNewestCheckpoint(folder, request.specs);
+  auto found = checkpoint::FindNewestCheckpoint(folder, request.specs);
   if (!found) {
     RequireNoProgress(request, folder);
     // Killed before its first checkpoint, so before its first order: nothing is lost.
@@ -99,19 +99,20 @@ RunStart StartOf(const RunRequest& request, const AlgorithmFactory& factory) {
   }
   RequireSameRun(*found, request);
   Tell(*found);
-  CheckpointStore(folder, request.config.runtime().checkpoint_keep()).GoOnFrom(*found);
+  checkpoint::CheckpointStore(folder, request.config.runtime().checkpoint_keep()).GoOnFrom(*found);
   RunStart start{std::move(found->checkpoint), true, found->path};
   start.checkpoint.config = request.config;
   return start;
 }
 
-std::unique_ptr<Algorithm> AlgorithmOf(const RunStart& start, const AlgorithmFactory& factory,
-                                       const AlgorithmResources& resources) {
+std::unique_ptr<algorithm::Algorithm> AlgorithmOf(const RunStart& start,
+                                                  const algorithm::AlgorithmFactory& factory,
+                                                  const algorithm::AlgorithmResources& resources) {
   try {
     return factory.Make(start.checkpoint.config, start.checkpoint.state, resources);
-  } catch (const UnusableState& error) {
+  } catch (const algorithm::UnusableState& error) {
     throw CannotStart(start.path + ": " + error.what());
   }
 }
 
-}  // namespace metronome
+}  // namespace metronome::run

@@ -9,7 +9,7 @@
 #include "common/schema/config.pb.h"
 #include "learner/algorithm/algorithm_factory.h"
 
-namespace metronome {
+namespace metronome::run {
 
 /// Which run, and how it is to be.
 struct RunRequest {
@@ -17,7 +17,7 @@ struct RunRequest {
   std::string folder;  // RUNS_DIR/NAME; may not exist yet
   bool resume = false;
   RunConfig config;  // resolved and valid; with `resume` the run's own, runtime as asked for
-  SpecSource specs;  // asked what the environments of older checkpoints are like
+  config::SpecSource specs;  // asked what the environments of older checkpoints are like
 };
 
 /// The run cannot be served as asked, and starting again does not help.
@@ -28,9 +28,9 @@ class CannotStart : public std::runtime_error {
 
 /// What a learner begins with.
 struct RunStart {
-  Checkpoint checkpoint;  // of version 0 where there was none
-  bool resumed = false;   // the checkpoint is on disk
-  std::string path;       // there
+  checkpoint::Checkpoint checkpoint;  // of version 0 where there was none
+  bool resumed = false;               // the checkpoint is on disk
+  std::string path;                   // there
 };
 
 /// Version 0 of a new run; with --resume the newest checkpoint that is whole (damaged ones are put
@@ -39,10 +39,11 @@ struct RunStart {
 /// @param factory  of the run's algorithm.
 /// @throws CannotStart, CheckpointError, ConfigError, std::system_error naming the file and, where
 ///         there is one, the way out.
-RunStart StartOf(const RunRequest& request, const AlgorithmFactory& factory);
+RunStart StartOf(const RunRequest& request, const algorithm::AlgorithmFactory& factory);
 
 /// The algorithm at the start's state. @throws CannotStart naming the file if it cannot go on.
-std::unique_ptr<Algorithm> AlgorithmOf(const RunStart& start, const AlgorithmFactory& factory,
-                                       const AlgorithmResources& resources);
+std::unique_ptr<algorithm::Algorithm> AlgorithmOf(const RunStart& start,
+                                                  const algorithm::AlgorithmFactory& factory,
+                                                  const algorithm::AlgorithmResources& resources);
 
-}  // namespace metronome
+}  // namespace metronome::run

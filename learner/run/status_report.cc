@@ -5,10 +5,10 @@
 
 #include "learner/record/rates.h"
 
-namespace metronome {
+namespace metronome::run {
 
 StatusReport::StatusReport(StatusFacts facts, const RunDescription& description,
-                           const OrderRules& rules)
+                           const collect::orders::OrderRules& rules)
     : length_(facts.length) {
   status_.incarnation = description.incarnation;
   status_.learner_id = description.learner_id;
@@ -31,7 +31,7 @@ void StatusReport::Begin(std::uint64_t version, std::uint64_t steps, double seco
   due_ = now;
 }
 
-void StatusReport::Updated(const UpdateReport& report, const WallReport& wall) {
+void StatusReport::Updated(const algorithm::UpdateReport& report, const record::WallReport& wall) {
   status_.version = report.version;
   status_.steps = report.steps;
   status_.updates_total = length_.UpdatesAt(report.version, report.steps);
@@ -46,17 +46,17 @@ void StatusReport::Updated(const UpdateReport& report, const WallReport& wall) {
 // As progress.csv counts them: over all starts of the run.
 void StatusReport::SetRates(TimePoint now) {
   status_.seconds = seconds_before_ + std::chrono::duration<double>(now - begun_).count();
-  status_.fps = StepsPerSecond(status_.steps, status_.seconds);
-  status_.eta_seconds = SecondsLeft(status_.steps, status_.total_steps, status_.fps);
+  status_.fps = record::StepsPerSecond(status_.steps, status_.seconds);
+  status_.eta_seconds = record::SecondsLeft(status_.steps, status_.total_steps, status_.fps);
 }
 
-LearnerStatus StatusReport::Make(LearnerStatus::State state, const Collector& collector,
+LearnerStatus StatusReport::Make(LearnerStatus::State state, const collect::Collector& collector,
                                  const LearnerBus& bus, TimePoint now) {
   due_ = now + kPeriod;
   status_.state = state;
   SetRates(now);
   status_.batch_episodes = collector.AcceptedOf(status_.version);
-  const EpisodeCounts& counts = collector.counts();
+  const collect::EpisodeCounts& counts = collector.counts();
   status_.accepted = counts.accepted;
   status_.reordered = counts.reordered;
   status_.duplicates = counts.duplicates;
@@ -70,4 +70,4 @@ LearnerStatus StatusReport::Make(LearnerStatus::State state, const Collector& co
   return status_;
 }
 
-}  // namespace metronome
+}  // namespace metronome::run

@@ -9,14 +9,14 @@
 #include "learner/record/metrics.h"
 #include "learner/record/run_length.h"
 
-namespace metronome {
+namespace metronome::run {
 
 /// What of a learner's status never changes.
 struct StatusFacts {
   std::string task;
   std::string host;
   std::uint32_t pid = 0;
-  RunLength length;
+  record::RunLength length;
 };
 
 /// Makes the status that people watch, and knows when the next one is due. Not thread-safe.
@@ -26,26 +26,27 @@ class StatusReport {
   static constexpr std::chrono::seconds kPeriod{1};
 
   /// @param description  of the learner. @param rules  of the run.
-  StatusReport(StatusFacts facts, const RunDescription& description, const OrderRules& rules);
+  StatusReport(StatusFacts facts, const RunDescription& description,
+               const collect::orders::OrderRules& rules);
 
   /// The run is served from here on. @param seconds_before  that it took before this start.
   void Begin(std::uint64_t version, std::uint64_t steps, double seconds_before, TimePoint now);
-  void Updated(const UpdateReport& report, const WallReport& wall);
+  void Updated(const algorithm::UpdateReport& report, const record::WallReport& wall);
   void Saved(std::uint64_t version) { status_.checkpoint_version = version; }
 
   [[nodiscard]] TimePoint due() const { return due_; }
   /// The next one is due a period later.
-  LearnerStatus Make(LearnerStatus::State state, const Collector& collector, const LearnerBus& bus,
-                     TimePoint now);
+  LearnerStatus Make(LearnerStatus::State state, const collect::Collector& collector,
+                     const LearnerBus& bus, TimePoint now);
 
  private:
   void SetRates(TimePoint now);
 
-  const RunLength length_;
+  const record::RunLength length_;
   LearnerStatus status_;  // its last values; Make fills in the rest
   double seconds_before_ = 0;
   TimePoint begun_;
   TimePoint due_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::run

@@ -13,7 +13,7 @@
 #include "common/process/exit_codes.h"
 #include "learner/watch/status_text.h"
 
-namespace metronome {
+namespace metronome::watch {
 namespace {
 
 // After the first learner another one may be heard, of a newer start.
@@ -69,7 +69,7 @@ std::optional<Found> Find(ObserverBus& bus, Clock::time_point deadline) {
 
 int SayLost(const LearnerStatus& status) {
   spdlog::error("the learner of run {} is gone; its run goes on with --resume", status.run_name);
-  return kExitNoLearner;
+  return process::kExitNoLearner;
 }
 
 /// Shows each further status of this learner, or of a newer start, to the end, and in its silence
@@ -94,7 +94,7 @@ int Follow(ObserverBus& bus, Found found, bool json, std::ostream& out) {
     made = Clock::now();
     Show(newest, json, out);
   }
-  return kExitFinished;
+  return process::kExitFinished;
 }
 
 }  // namespace
@@ -104,7 +104,7 @@ std::optional<int> ShowLearner(ObserverBus& bus, Clock::time_point deadline,
   const std::optional<Found> found = Find(bus, deadline);
   if (!found) return std::nullopt;
   Show(found->newest, options.json, out);
-  return options.follow ? Follow(bus, *found, options.json, out) : kExitFinished;
+  return options.follow ? Follow(bus, *found, options.json, out) : process::kExitFinished;
 }
 
-}  // namespace metronome
+}  // namespace metronome::watch

@@ -5,7 +5,7 @@
 
 #include "common/messages/bus.h"
 
-namespace metronome {
+namespace metronome::watch {
 
 /// How learners are shown.
 struct FollowOptions {
@@ -14,10 +14,10 @@ struct FollowOptions {
 };
 
 /// Shows the newest learner that is heard until `deadline`, or soon after the first.
-/// @return kExitFinished, or kExitNoLearner if the learner followed is lost; std::nullopt if none
-/// was heard. Bus errors pass through.
+/// @return process::kExitFinished, or process::kExitNoLearner if the learner followed is lost;
+/// std::nullopt if none was heard. Bus errors pass through.
 /// @throws std::runtime_error if `out` does not take it.
 std::optional<int> ShowLearner(ObserverBus& bus, Clock::time_point deadline,
                                const FollowOptions& options, std::ostream& out);
 
-}  // namespace metronome
+}  // namespace metronome::watch

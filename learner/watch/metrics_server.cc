@@ -13,7 +13,7 @@
 
 #include "learner/watch/prometheus_metrics.h"
 
-namespace metronome {
+namespace metronome::watch {
 
 class MetricsServer::Latest final : public prometheus::Collectable {
  public:
@@ -31,7 +31,8 @@ class MetricsServer::Latest final : public prometheus::Collectable {
   std::vector<prometheus::MetricFamily> families_;
 };
 
-MetricsServer::MetricsServer(const ListenAddress& address) : latest_(std::make_shared<Latest>()) {
+MetricsServer::MetricsServer(const text::ListenAddress& address)
+    : latest_(std::make_shared<Latest>()) {
   try {
     exposer_ = std::make_unique<prometheus::Exposer>(address.Text());
   } catch (const std::exception&) {  // says nothing of use
@@ -51,4 +52,4 @@ void MetricsServer::Show(const LearnerStatus& status) {
   latest_->Set(PrometheusMetrics(status, now.count()));
 }
 
-}  // namespace metronome
+}  // namespace metronome::watch

@@ -9,7 +9,7 @@ namespace prometheus {
 class Exposer;
 }
 
-namespace metronome {
+namespace metronome::watch {
 
 /// Serves a learner's latest status at http://ADDRESS/metrics, in Prometheus' format, by threads of
 /// its own. Thread-safe.
@@ -17,7 +17,7 @@ class MetricsServer {
  public:
   /// Listens from here on; nothing is shown before the first status.
   /// @throws std::invalid_argument if nothing can listen at `address`; names it.
-  explicit MetricsServer(const ListenAddress& address);
+  explicit MetricsServer(const text::ListenAddress& address);
   ~MetricsServer();
   MetricsServer(const MetricsServer&) = delete;
   MetricsServer& operator=(const MetricsServer&) = delete;
@@ -30,4 +30,4 @@ class MetricsServer {
   std::unique_ptr<prometheus::Exposer> exposer_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::watch

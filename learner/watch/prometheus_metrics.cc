@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-namespace metronome {
+namespace metronome::watch {
 namespace {
 
 using prometheus::ClientMetric;
@@ -89,4 +89,4 @@ std::vector<MetricFamily> PrometheusMetrics(const LearnerStatus& status, double 
   return families;
 }
 
-}  // namespace metronome
+}  // namespace metronome::watch

@@ -6,7 +6,7 @@
 
 #include "common/messages/messages.h"
 
-namespace metronome {
+namespace metronome::watch {
 
 /// What Prometheus is told of a learner: `metronome_...`, in base units, every series with the
 /// label `run`, those of an actor with `actor` (host:pid) and `host` too. Who is not in `status`
@@ -15,4 +15,4 @@ namespace metronome {
 std::vector<prometheus::MetricFamily> PrometheusMetrics(const LearnerStatus& status,
                                                         double made_at);
 
-}  // namespace metronome
+}  // namespace metronome::watch

@@ -5,7 +5,7 @@
 #include "common/messages/messages.h"
 
 /// How `metronome-learner status` shows a learner. Pure functions.
-namespace metronome {
+namespace metronome::watch {
 
 /// A learner speaks once a second; what it said this long ago need not be so any more.
 inline constexpr double kOldStatusSeconds = 3;
@@ -16,4 +16,4 @@ std::string StatusTable(const LearnerStatus& status);
 /// One JSON object in one line, without a newline; its names are those of LearnerStatus.
 std::string StatusJson(const LearnerStatus& status);
 
-}  // namespace metronome
+}  // namespace metronome::watch

@@ -17,25 +17,26 @@ namespace {
 constexpr char kName[] = "cross-entropy";
 constexpr std::uint32_t kFormat = 1;  // the policy's parameters as they lie in memory
 
-class CrossEntropy final : public Algorithm {
+class CrossEntropy final : public algorithm::Algorithm {
  public:
-  CrossEntropy(const RunConfig& config, const TrainState& state, std::uint64_t check_key)
+  CrossEntropy(const RunConfig& config, const checkpoint::TrainState& state,
+               std::uint64_t check_key)
       : config_(config),
-        layout_(ActorLayout(ShapeOf(config))),
+        layout_(policy::ActorLayout(policy::ShapeOf(config))),
         counters_(state),
         parameters_(layout_.size),
         best_(std::stoul(config.custom().settings())),
         checker_(config, check_key) {
-    RequireFormat(state.algorithm, kName, kFormat);
+    algorithm::RequireFormat(state.algorithm, kName, kFormat);
     if (state.algorithm.bytes.size() != parameters_.size() * sizeof(float)) {
-      throw UnusableState("its state of the cross-entropy method has another shape");
+      throw algorithm::UnusableState("its state of the cross-entropy method has another shape");
     }
     std::memcpy(parameters_.data(), state.algorithm.bytes.data(), state.algorithm.bytes.size());
   }
 
-  [[nodiscard]] const RunCounters& counters() const override { return counters_; }
+  [[nodiscard]] const checkpoint::RunCounters& counters() const override { return counters_; }
 
-  UpdateReport Update(const std::vector<Episode>& batch) override {
+  algorithm::UpdateReport Update(const std::vector<Episode>& batch) override {
     std::vector<double> returns;
     returns.reserve(batch.size());
     for (const Episode& episode : batch) {
@@ -49,25 +50,25 @@ class CrossEntropy final : public Algorithm {
     for (std::int32_t head = 0; head < layout_.heads; ++head) {
       for (std::int32_t i = 0; i < layout_.head_outputs; ++i) Refit(batch, order, head, i);
     }
-    counters_ = CountersAfter(counters_, batch);
-    UpdateReport report = ReportOf(counters_, batch);
+    counters_ = algorithm::CountersAfter(counters_, batch);
+    algorithm::UpdateReport report = algorithm::ReportOf(counters_, batch);
     report.metrics = Metrics();
     report.metrics.front().value = returns[order.front()];
     return report;
   }
 
-  [[nodiscard]] TrainState State() const override {
-    TrainState state;
-    static_cast<RunCounters&>(state) = counters_;
+  [[nodiscard]] checkpoint::TrainState State() const override {
+    checkpoint::TrainState state;
+    static_cast<checkpoint::RunCounters&>(state) = counters_;
     state.policy = Snapshot();
-    state.weights = {parameters_.size(), WeightsSha256(parameters_)};
+    state.weights = {parameters_.size(), process::WeightsSha256(parameters_)};
     state.algorithm = {kName, kFormat,
                        std::string(reinterpret_cast<const char*>(parameters_.data()),
                                    parameters_.size() * sizeof(float))};
     return state;
   }
   [[nodiscard]] PolicySnapshot Snapshot() const override {
-    return MakeSnapshot(counters_.version, parameters_.data(), {}, config_);
+    return policy::MakeSnapshot(counters_.version, parameters_.data(), {}, config_);
   }
   [[nodiscard]] PolicySnapshot PreviousSnapshot() const override {
     throw std::logic_error("the cross-entropy method does not overlap");
@@ -76,7 +77,7 @@ class CrossEntropy final : public Algorithm {
                                                  const PolicySnapshot& snapshot) const override {
     return checker_.Check(episode, snapshot);
   }
-  [[nodiscard]] std::vector<Metric> Metrics() const override {
+  [[nodiscard]] std::vector<algorithm::Metric> Metrics() const override {
     return {{"best_return", "cross_entropy/best_return", 0.0, "return of the best episode"}};
   }
 
@@ -102,34 +103,34 @@ class CrossEntropy final : public Algorithm {
   }
 
   RunConfig config_;
-  MlpLayout layout_;
-  RunCounters counters_;
+  policy::MlpLayout layout_;
+  checkpoint::RunCounters counters_;
   std::vector<float> parameters_;  // of the policy
   std::size_t best_;
-  mutable EpisodeChecker checker_;
+  mutable algorithm::EpisodeChecker checker_;
 };
 
-class CrossEntropyFactory final : public AlgorithmFactory {
+class CrossEntropyFactory final : public algorithm::AlgorithmFactory {
  public:
-  [[nodiscard]] TrainState InitialState(const RunConfig& config,
-                                        const TrainState* source) const override {
+  [[nodiscard]] checkpoint::TrainState InitialState(
+      const RunConfig& config, const checkpoint::TrainState* source) const override {
     if (config.collection().overlap() > 0) throw std::invalid_argument("collection.overlap: not 0");
-    const MlpLayout layout = ActorLayout(ShapeOf(config));
-    TrainState state;
+    const policy::MlpLayout layout = policy::ActorLayout(policy::ShapeOf(config));
+    checkpoint::TrainState state;
     state.algorithm = {kName, kFormat, std::string(layout.size * sizeof(float), '\0')};
     if (source != nullptr) state.algorithm = source->algorithm;
     return CrossEntropy(config, state, 0).State();
   }
-  [[nodiscard]] std::unique_ptr<Algorithm> Make(
-      const RunConfig& config, const TrainState& state,
-      const AlgorithmResources& resources) const override {
+  [[nodiscard]] std::unique_ptr<algorithm::Algorithm> Make(
+      const RunConfig& config, const checkpoint::TrainState& state,
+      const algorithm::AlgorithmResources& resources) const override {
     return std::make_unique<CrossEntropy>(config, state, resources.check_key);
   }
 };
 
 }  // namespace
 
-std::shared_ptr<const AlgorithmFactory> MakeCrossEntropyFactory() {
+std::shared_ptr<const algorithm::AlgorithmFactory> MakeCrossEntropyFactory() {
   return std::make_shared<CrossEntropyFactory>();
 }
 

@@ -10,6 +10,6 @@ namespace metronome::test {
 /// head's mean action and standard deviation become those of its steps in the batch's best
 /// episodes. Has no gradient, no critic and no normaliser: what is left of a run when PPO is taken
 /// out of it. `custom.settings` is the number of best episodes.
-std::shared_ptr<const AlgorithmFactory> MakeCrossEntropyFactory();
+std::shared_ptr<const algorithm::AlgorithmFactory> MakeCrossEntropyFactory();
 
 }  // namespace metronome::test

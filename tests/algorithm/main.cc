@@ -4,7 +4,8 @@
 #include "tests/algorithm/cross_entropy.h"
 
 int main(int argc, char** argv) {
-  return metronome::LearnerProgram(argc, argv,
-                                   {{"ppo", metronome::MakePpoFactory()},
-                                    {"cross-entropy", metronome::test::MakeCrossEntropyFactory()}});
+  return metronome::learner::LearnerProgram(
+      argc, argv,
+      {{"ppo", metronome::ppo::MakePpoFactory()},
+       {"cross-entropy", metronome::test::MakeCrossEntropyFactory()}});
 }

@@ -55,21 +55,21 @@ RunConfig ConfigOf(const Options& options) {
   config.mutable_ppo()->set_epochs(options.epochs);
   config.mutable_ppo()->set_kl_stop(0);
   config.mutable_collection()->set_episodes_per_update(options.episodes);
-  return Resolve(config);
+  return config::Resolve(config);
 }
 
 /// Observations are noise, actions the policy's own, rewards noise.
-Episode SyntheticEpisode(const RunConfig& config, Policy& policy, std::uint64_t number) {
+Episode SyntheticEpisode(const RunConfig& config, policy::Policy& policy, std::uint64_t number) {
   Episode episode;
   episode.number = number;
   const std::int32_t horizon = config.environment().horizon();
-  const HeadSchedule schedule(config, TrainingEpisode(config, number));
-  RandomStream random(RandomPurpose::kEvaluate, 1, number, 0);
+  const policy::HeadSchedule schedule(config, policy::TrainingEpisode(config, number));
+  numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 1, number, 0);
   episode.observation.resize(std::size_t(horizon + 1) * test::kObservationSize);
   for (float& value : episode.observation) value = float(random.Normal());
-  ActionNoise noise(config, number);
+  policy::ActionNoise noise(config, number);
   for (std::int32_t t = 0; t < horizon; ++t) {
-    const Policy::Decision decision =
+    const policy::Policy::Decision decision =
         policy.Act(schedule, episode.observation.data() + std::size_t(t) * test::kObservationSize,
                    t, noise.At(t));
     episode.action.insert(episode.action.end(), decision.action.begin(),
@@ -85,11 +85,12 @@ Episode SyntheticEpisode(const RunConfig& config, Policy& policy, std::uint64_t 
 /// Floating-point operations of one sample in one epoch: forward, gradient by weights, gradient by
 /// inputs (not below the first layer), two each a weight.
 double OperationsPerSample(const RunConfig& config) {
-  const NetworkShape shape = ShapeOf(config);
+  const policy::NetworkShape shape = policy::ShapeOf(config);
   double operations = 0;
-  for (const MlpLayout& layout : {ActorLayout(shape), CriticLayout(shape)}) {
+  for (const policy::MlpLayout& layout :
+       {policy::ActorLayout(shape), policy::CriticLayout(shape)}) {
     for (std::size_t i = 0; i < layout.hidden.size(); ++i) {
-      const LayerSlice& slice = layout.hidden[i];
+      const policy::LayerSlice& slice = layout.hidden[i];
       operations += (i == 0 ? 4.0 : 6.0) * slice.inputs * slice.outputs;
     }
     operations += 6.0 * layout.head.inputs * layout.head_outputs;
@@ -106,7 +107,7 @@ double GemmRate(int threads, int repeats) {
     Eigen::MatrixXf c = Eigen::MatrixXf::Zero(kSize, kSize);
   };
   std::vector<Job> jobs(static_cast<std::size_t>(threads));
-  WorkerTeam team(threads);
+  ppo::WorkerTeam team(threads);
   std::vector<double> seconds;
   for (int i = 0; i <= repeats; ++i) {
     seconds.push_back(Seconds([&] {
@@ -117,15 +118,15 @@ double GemmRate(int threads, int repeats) {
 }
 
 /// All epochs from `state`, which stays as it is.
-void MakeEpochs(const RunConfig& config, const TrainingBatch& batch, const PpoState& state,
-                WorkerTeam& team) {
-  MinibatchStep step(config, team);
-  OptimiserState optimiser{state.parameters, state.adam_m, state.adam_v, 0};
+void MakeEpochs(const RunConfig& config, const ppo::TrainingBatch& batch,
+                const ppo::PpoState& state, ppo::WorkerTeam& team) {
+  ppo::MinibatchStep step(config, team);
+  ppo::OptimiserState optimiser{state.parameters, state.adam_m, state.adam_v, 0};
   const auto minibatch = std::size_t(config.ppo().minibatch());
   for (std::int32_t epoch = 0; epoch < config.ppo().epochs(); ++epoch) {
-    const std::vector<std::uint32_t> order =
-        Permutation(std::uint32_t(batch.size()),
-                    {RandomPurpose::kShuffle, config.seed(), 0, std::uint64_t(epoch)});
+    const std::vector<std::uint32_t> order = numbers::Permutation(
+        std::uint32_t(batch.size()),
+        {numbers::RandomPurpose::kShuffle, config.seed(), 0, std::uint64_t(epoch)});
     for (std::size_t begin = 0; begin < order.size(); begin += minibatch) {
       const std::size_t end = std::min(begin + minibatch, order.size());
       const std::vector<std::uint32_t> samples(order.begin() + std::ptrdiff_t(begin),
@@ -137,17 +138,17 @@ void MakeEpochs(const RunConfig& config, const TrainingBatch& batch, const PpoSt
 
 void Run(const Options& options) {
   const RunConfig config = ConfigOf(options);
-  const PpoState state = Trainer::InitialState(config);
-  const PolicySnapshot snapshot = SnapshotOf(state, config);
-  Policy policy(config, snapshot);
+  const ppo::PpoState state = ppo::Trainer::InitialState(config);
+  const PolicySnapshot snapshot = ppo::SnapshotOf(state, config);
+  policy::Policy policy(config, snapshot);
   std::vector<Episode> episodes;
   for (int i = 0; i < options.episodes; ++i) {
     episodes.push_back(SyntheticEpisode(config, policy, std::uint64_t(i)));
   }
   const double gemm = GemmRate(options.threads, options.repeats);
-  WorkerTeam team(options.threads);
-  const TrainingBatch batch =
-      BuildBatch({config, episodes, snapshot, state.parameters.data(), 1.0F}, team);
+  ppo::WorkerTeam team(options.threads);
+  const ppo::TrainingBatch batch =
+      ppo::BuildBatch({config, episodes, snapshot, state.parameters.data(), 1.0F}, team);
   std::vector<double> seconds;
   for (int i = 0; i <= options.repeats; ++i) {
     const double passed = Seconds([&] { MakeEpochs(config, batch, state, team); });

@@ -25,8 +25,8 @@ namespace {
 
 constexpr int kEpisodes = 4;  // different ones, played round and round
 
-const EnvironmentRegistry& Registry() {
-  static const EnvironmentRegistry registry(metaworld::Environments());
+const environment::EnvironmentRegistry& Registry() {
+  static const environment::EnvironmentRegistry registry(metaworld::tasks::Environments());
   return registry;
 }
 
@@ -34,21 +34,23 @@ RunConfig ConfigOf(const std::string& task) {
   RunConfig config;
   config.mutable_environment()->set_task(task);
   *config.mutable_environment()->mutable_spec() = Registry().Describe(task);
-  return Resolve(config);
+  return config::Resolve(config);
 }
 
-std::unique_ptr<Environment> MakeEnvironmentOf(const std::string& task) {
+std::unique_ptr<environment::Environment> MakeEnvironmentOf(const std::string& task) {
   return Registry().Make(ConfigOf(task).environment());
 }
 
 /// The untrained policy's episodes 0..kEpisodes-1 of a task: played once a process, then shared.
 struct Episodes {
   explicit Episodes(const std::string& task)
-      : config(ConfigOf(task)), snapshot(SnapshotOf(Trainer::InitialState(config), config)) {
+      : config(ConfigOf(task)),
+        snapshot(ppo::SnapshotOf(ppo::Trainer::InitialState(config), config)) {
     const auto environment = MakeEnvironmentOf(task);
     const std::atomic<bool> cancel{false};
     for (int i = 0; i < kEpisodes; ++i) {
-      episodes.push_back(*PlayEpisode(config, snapshot, std::uint64_t(i), *environment, cancel));
+      episodes.push_back(
+          *play::PlayEpisode(config, snapshot, std::uint64_t(i), *environment, cancel));
     }
   }
 
@@ -69,11 +71,11 @@ class BareLoop {
  public:
   explicit BareLoop(const std::string& task) : environment_(MakeEnvironmentOf(task)) {
     const Episodes& played = Episodes::Of(task);
-    const MujocoView& scene = *environment_->mujoco();
+    const environment::MujocoView& scene = *environment_->mujoco();
     std::vector<float> observation(
         std::size_t(played.config.environment().spec().observation_size()));
     for (int i = 0; i < kEpisodes; ++i) {
-      EpisodeStart start = TrainingStart(played.config, std::uint64_t(i));
+      environment::EpisodeStart start = environment::TrainingStart(played.config, std::uint64_t(i));
       environment_->Reset(start, observation);
       starts_.emplace_back(mj_copyData(nullptr, &scene.model(), &scene.data()));
       models_.emplace_back(mj_copyModel(nullptr, &scene.model()));
@@ -102,10 +104,10 @@ class BareLoop {
   void Finish() { mj_copyData(data_, model_, saved_.get()); }
 
  private:
-  std::unique_ptr<Environment> environment_;
-  std::vector<metaworld::ModelPtr> models_;
-  std::vector<metaworld::DataPtr> starts_;
-  metaworld::DataPtr saved_;
+  std::unique_ptr<environment::Environment> environment_;
+  std::vector<metaworld::engine::ModelPtr> models_;
+  std::vector<metaworld::engine::DataPtr> starts_;
+  metaworld::engine::DataPtr saved_;
   mjModel* model_ = nullptr;
   mjData* data_ = nullptr;
 };
@@ -137,14 +139,14 @@ void Actor(benchmark::State& state, const std::string& task) {
   std::uint64_t next = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        PlayEpisode(played.config, played.snapshot, next, *environment, cancel));
+        play::PlayEpisode(played.config, played.snapshot, next, *environment, cancel));
     next = (next + 1) % kEpisodes;
   }
   state.SetItemsProcessed(state.iterations() * played.config.environment().horizon());
 }
 
 void Register() {
-  for (const EnvironmentEntry& entry : Registry().entries()) {
+  for (const environment::EnvironmentEntry& entry : Registry().entries()) {
     const std::string& task = entry.spec.short_name();
     for (const int threads : {1, 2}) {
       benchmark::RegisterBenchmark(("bare/" + task).c_str(), Bare, task)

@@ -43,7 +43,7 @@ BusOptions BusOf(const Options& options) {
 }
 
 EpisodeBank BankOf(const Options& options) {
-  ConfigDraft draft;
+  config::ConfigDraft draft;
   draft.ReadFile(options.config_file);
   return EpisodeBank(draft.Finish([](const auto& name) { return Registry().Describe(name); }),
                      options.recordings, options.prepared);
@@ -117,7 +117,7 @@ int Main(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    metronome::SetUpLogging("swarm", {});
+    metronome::process::SetUpLogging("swarm", {});
     return metronome::bench::Main(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "swarm: %s\n", error.what());

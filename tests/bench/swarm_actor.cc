@@ -18,7 +18,7 @@ constexpr std::chrono::seconds kStatusEvery{1};
 
 SimulatedActor::SimulatedActor(const BusOptions& bus, std::uint64_t actor_id, std::uint32_t slots,
                                const EpisodeBank& bank)
-    : actor_id_(actor_id), slots_(slots), bank_(bank), bus_(MakeDdsActorBus(bus, actor_id)) {}
+    : actor_id_(actor_id), slots_(slots), bank_(bank), bus_(dds::MakeDdsActorBus(bus, actor_id)) {}
 
 void SimulatedActor::Run() {
   while (!over_) {

@@ -14,17 +14,18 @@
 
 namespace metronome::bench {
 
-const EnvironmentRegistry& Registry() {
-  static const EnvironmentRegistry registry(metaworld::Environments());
+const environment::EnvironmentRegistry& Registry() {
+  static const environment::EnvironmentRegistry registry(metaworld::tasks::Environments());
   return registry;
 }
 
 EpisodeBank::EpisodeBank(RunConfig config, std::uint64_t recordings, std::uint64_t prepared)
-    : config_(std::move(config)), untrained_(SnapshotOf(Trainer::InitialState(config_), config_)) {
+    : config_(std::move(config)),
+      untrained_(ppo::SnapshotOf(ppo::Trainer::InitialState(config_), config_)) {
   const auto environment = Registry().Make(config_.environment());
   const std::atomic<bool> cancel{false};
   for (std::uint64_t number = 0; number < recordings; ++number) {
-    recordings_.push_back(*PlayEpisode(config_, untrained_, number, *environment, cancel));
+    recordings_.push_back(*play::PlayEpisode(config_, untrained_, number, *environment, cancel));
   }
   Prepare(prepared);
 }
@@ -50,14 +51,14 @@ EpisodeBank::Decisions EpisodeBank::Decide(std::uint64_t number,
                                            const PolicySnapshot& snapshot) const {
   const Episode& recording = RecordingOf(number);
   const EnvironmentSpec& spec = config_.environment().spec();
-  Policy policy(config_, snapshot);
-  const HeadSchedule schedule(config_, TrainingEpisode(config_, number));
-  ActionNoise noise(config_, number);
+  policy::Policy policy(config_, snapshot);
+  const policy::HeadSchedule schedule(config_, policy::TrainingEpisode(config_, number));
+  policy::ActionNoise noise(config_, number);
   Decisions decisions;
   for (std::int32_t t = 0; t < recording.length(); ++t) {
     const float* observation =
         recording.observation.data() + std::size_t(t) * std::size_t(spec.observation_size());
-    const Policy::Decision decision = policy.Act(schedule, observation, t, noise.At(t));
+    const policy::Policy::Decision decision = policy.Act(schedule, observation, t, noise.At(t));
     decisions.action.insert(decisions.action.end(), decision.action.begin(),
                             decision.action.begin() + spec.action_size());
     decisions.log_prob.push_back(decision.log_prob);

@@ -11,7 +11,7 @@
 namespace metronome::bench {
 
 /// Those of metronome-actor.
-const EnvironmentRegistry& Registry();
+const environment::EnvironmentRegistry& Registry();
 
 /// Episodes that a learner accepts, without physics: the observations, rewards and flags of a few
 /// episodes that were really played, in turn, under the actions and log-probabilities that the

@@ -65,8 +65,8 @@ class Source {
     EpisodeMessage message;
     message.actor_id = kActorId;
     const double begin = ThreadSeconds();
-    message.episode = environment_ ? *PlayEpisode(bank_.config(), bank_.untrained(), number,
-                                                  *environment_, cancel_)
+    message.episode = environment_ ? *play::PlayEpisode(bank_.config(), bank_.untrained(), number,
+                                                        *environment_, cancel_)
                                    : bank_.Make(number % bank_.prepared(), bank_.untrained());
     play_seconds_ += ThreadSeconds() - begin;
     return message;
@@ -77,7 +77,7 @@ class Source {
  private:
   const EpisodeBank& bank_;
   const std::atomic<bool> cancel_{false};
-  std::unique_ptr<Environment> environment_;
+  std::unique_ptr<environment::Environment> environment_;
   double play_seconds_ = 0;
 };
 
@@ -92,7 +92,7 @@ void SendEpisodes(ActorBus& bus, Source& source, std::uint64_t count) {
 void ActAsActor(const BusOptions& options, const EpisodeBank& bank, std::uint64_t episodes,
                 bool plays, Pipe& results) {
   Source source(bank, plays);
-  const auto bus = MakeDdsActorBus(options, kActorId);
+  const auto bus = dds::MakeDdsActorBus(options, kActorId);
   JoinAsActor(*bus);
   SendEpisodes(*bus, source, kWarmUp);
   Next<EpisodeOrder>(*bus);
@@ -118,7 +118,7 @@ struct Arrival {
 
 void AwaitWeights(const BusOptions& options, std::uint64_t actor_id, std::uint64_t last,
                   Pipe& arrivals) {
-  const auto bus = MakeDdsActorBus(options, actor_id);
+  const auto bus = dds::MakeDdsActorBus(options, actor_id);
   for (Arrival arrival; arrival.version < last;) {
     arrival.version = Next<PolicySnapshot>(*bus).version;
     arrival.at = Clock::now();
@@ -146,7 +146,7 @@ TransportCost MeasureTransport(const BusOptions& options, const EpisodeBank& ban
   const int actor = Fork([&] { ActAsActor(options, bank, episodes, plays, results); });
   TransportCost cost;
   {
-    const auto bus = MakeDdsLearnerBus(options);
+    const auto bus = dds::MakeDdsLearnerBus(options);
     bus->Publish(RunDescription{});
     WelcomeActor(*bus);
     TakeEpisodes(*bus, kWarmUp);
@@ -175,7 +175,7 @@ std::vector<double> MeasureWeights(const BusOptions& options, const EpisodeBank&
   }
   std::vector<double> milliseconds;
   {
-    const auto bus = MakeDdsLearnerBus(options);
+    const auto bus = dds::MakeDdsLearnerBus(options);
     PolicySnapshot snapshot = bank.untrained();
     for (snapshot.version = 0; snapshot.version <= rounds; ++snapshot.version) {
       const auto begin = Clock::now();

@@ -45,7 +45,7 @@ test::Bytes Corrupt(const std::string& kind, test::Bytes bytes, std::mt19937_64&
 class HostileBus final : public ActorBus {
  public:
   HostileBus(const BusOptions& options, std::uint64_t actor_id, const std::string& kind)
-      : kind_(kind), bus_(MakeDdsActorBus(options, actor_id)) {
+      : kind_(kind), bus_(dds::MakeDdsActorBus(options, actor_id)) {
     for (const char* raw : kRawKinds) {
       if (kind != raw) continue;
       raw_ = std::make_unique<test::RawWriter>(options, dds::kEpisodeTopic,
@@ -103,19 +103,19 @@ class HostileBus final : public ActorBus {
 
 /// @param host  what it calls its host.
 int Run(const BusOptions& options, const std::string& kind, const std::string& host) {
-  SetUpLogging("hostile-actor", {});
-  ActorClientOptions client_options;
+  process::SetUpLogging("hostile-actor", {});
+  client::ActorClientOptions client_options;
   client_options.run_name = options.run_name;
   client_options.domain = options.domain;
-  client_options.actor_id = RandomId();
+  client_options.actor_id = process::RandomId();
   client_options.host = host;
   client_options.pid = static_cast<std::uint32_t>(getpid());
-  client_options.engine = EngineName();
-  client_options.build = BuildIdentity();
+  client_options.engine = process::EngineName();
+  client_options.build = process::BuildIdentity();
   HostileBus bus(options, client_options.actor_id, kind);
-  const EnvironmentRegistry registry(metaworld::Environments());
-  ActorClient client(&bus, SetUpWith(registry), client_options);
-  return client.Run() == ActorEnd::kRefused ? 1 : 0;
+  const environment::EnvironmentRegistry registry(metaworld::tasks::Environments());
+  client::ActorClient client(&bus, play::SetUpWith(registry), client_options);
+  return client.Run() == client::ActorEnd::kRefused ? 1 : 0;
 }
 
 int Main(int argc, char** argv) {

@@ -19,14 +19,14 @@ using Point = std::array<double, 2>;
 double Distance(const Point& a, const Point& b) { return std::hypot(a[0] - b[0], a[1] - b[1]); }
 
 /// Half the arena's width at most from its centre.
-Point Draw(RandomStream& random) {
+Point Draw(numbers::RandomStream& random) {
   const double x = random.Uniform() - 0.5;
   return {x, random.Uniform() - 0.5};
 }
 
-class ReachEnvironment final : public Environment {
+class ReachEnvironment final : public environment::Environment {
  public:
-  void Reset(EpisodeStart& start, std::span<float> observation) override {
+  void Reset(environment::EpisodeStart& start, std::span<float> observation) override {
     do {
       at_ = Draw(start.random);
       goal_ = Draw(start.random);
@@ -39,7 +39,8 @@ class ReachEnvironment final : public Environment {
     Observe(observation);
   }
 
-  StepOutcome Step(std::span<const float> action, std::span<float> observation) override {
+  environment::StepOutcome Step(std::span<const float> action,
+                                std::span<float> observation) override {
     if (ended_) throw std::logic_error("Reach: the episode is over");
     const double size = std::max(1.0, std::hypot(double{action[0]}, double{action[1]}));
     if (!std::isfinite(size)) throw std::invalid_argument("Reach: the action is not finite");
@@ -50,7 +51,7 @@ class ReachEnvironment final : public Environment {
     }
     ++steps_;
     const double after = Distance(at_, goal_);
-    StepOutcome outcome;
+    environment::StepOutcome outcome;
     outcome.success = after <= kGoal;
     outcome.terminated = outcome.success || std::max(std::abs(at_[0]), std::abs(at_[1])) > kArena;
     outcome.truncated = !outcome.terminated && steps_ == kMaxSteps;
@@ -77,8 +78,8 @@ class ReachEnvironment final : public Environment {
 
 }  // namespace
 
-EnvironmentEntry Reach() {
-  EnvironmentEntry entry;
+environment::EnvironmentEntry Reach() {
+  environment::EnvironmentEntry entry;
   entry.spec.set_name("test/reach");
   entry.spec.set_short_name("reach");
   entry.spec.set_observation_size(7);

@@ -11,6 +11,6 @@ namespace metronome::test {
 /// A step moves the point by at most kStride. It costs 1/60, and pays what it came nearer to the
 /// goal; reaching it pays the rest of the way and 1. All is divided by what the straight way at
 /// full stride would bring, which is the most: the best possible return is 1, whatever the start.
-EnvironmentEntry Reach();
+environment::EnvironmentEntry Reach();
 
 }  // namespace metronome::test

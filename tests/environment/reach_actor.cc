@@ -3,6 +3,6 @@
 
 /// An actor program with another table of environments than metronome-actor's.
 int main(int argc, char** argv) {
-  return metronome::RunActorProgram(argc, argv,
-                                    metronome::EnvironmentRegistry({metronome::test::Reach()}));
+  return metronome::actor::RunActorProgram(
+      argc, argv, metronome::environment::EnvironmentRegistry({metronome::test::Reach()}));
 }

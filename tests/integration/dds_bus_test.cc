@@ -22,8 +22,8 @@ class DdsBusTest : public testing::TestWithParam<Transport> {};
 
 TEST_P(DdsBusTest, EveryMessageArrivesAsItWasSent) {
   const BusOptions options = FreshRun(GetParam());
-  const auto learner = MakeDdsLearnerBus(options);
-  const auto actor = MakeDdsActorBus(options, kBig);
+  const auto learner = dds::MakeDdsLearnerBus(options);
+  const auto actor = dds::MakeDdsActorBus(options, kBig);
   const RunDescription description = SomeDescription(kBig - 1, options.run_name);
   learner->Publish(description);
   EXPECT_EQ(Next<RunDescription>(*actor), description);
@@ -55,13 +55,13 @@ TEST_P(DdsBusTest, EveryMessageArrivesAsItWasSent) {
 
 TEST_P(DdsBusTest, LateActorGetsTheDescriptionAndTheLastTwoSnapshots) {
   const BusOptions options = FreshRun(GetParam());
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto learner = dds::MakeDdsLearnerBus(options);
   RunDescription description = SomeDescription(1, options.run_name);
   learner->Publish(description);
   description.finished = true;
   learner->Publish(description);
   for (std::uint64_t version = 0; version < 5; ++version) learner->Publish(SomeSnapshot(version));
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   std::vector<std::uint64_t> versions;
   std::vector<RunDescription> descriptions;
   while (versions.size() < 2 || descriptions.empty()) {
@@ -80,8 +80,8 @@ TEST_P(DdsBusTest, LateActorGetsTheDescriptionAndTheLastTwoSnapshots) {
 
 TEST_P(DdsBusTest, SnapshotOfAMillionParametersArrives) {
   const BusOptions options = FreshRun(GetParam());
-  const auto learner = MakeDdsLearnerBus(options);
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto learner = dds::MakeDdsLearnerBus(options);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   const PolicySnapshot snapshot = SomeSnapshot(1, 1'000'000);
   learner->Publish(snapshot);
   EXPECT_EQ(Next<PolicySnapshot>(*actor), snapshot);
@@ -112,7 +112,7 @@ TEST_P(DdsBusTest, SlowLearnerHoldsActorsBackAndLosesNothing) {
   constexpr std::size_t kBacklog = kHeld - 8;  // nearly what the two histories hold
   const BusOptions options = FreshRun(GetParam());
   const auto learner = ServingLearner(options);
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   ASSERT_TRUE(Next<RunDescription>(*actor));
   ASSERT_TRUE(Join(*learner, *actor, 11));
   Progress progress;
@@ -150,11 +150,11 @@ TEST(DdsBusTest, RunsOfOtherNamesAreNotHeard) {
   const BusOptions options = FreshRun();
   BusOptions other = options;
   other.run_name += "-other";
-  const auto learner = MakeDdsLearnerBus(options);
-  const auto stranger = MakeDdsLearnerBus(other);
+  const auto learner = dds::MakeDdsLearnerBus(options);
+  const auto stranger = dds::MakeDdsLearnerBus(other);
   stranger->Publish(SomeDescription(1, other.run_name));
   learner->Publish(SomeDescription(2, options.run_name));
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   EXPECT_EQ(Next<RunDescription>(*actor), SomeDescription(2, options.run_name));
   stranger->Publish(SomeSnapshot(8));
   learner->Publish(SomeSnapshot(9));
@@ -162,12 +162,12 @@ TEST(DdsBusTest, RunsOfOtherNamesAreNotHeard) {
 }
 
 TEST(DdsBusTest, OrderForAnActorThatIsNotThereIsRefused) {
-  const auto learner = MakeDdsLearnerBus(FreshRun());
+  const auto learner = dds::MakeDdsLearnerBus(FreshRun());
   EXPECT_FALSE(learner->Send(SomeOrder(11, 0)));
 }
 
 TEST(DdsBusTest, EpisodeWithoutALearnerIsRefused) {
-  const auto actor = MakeDdsActorBus(FreshRun(), 11);
+  const auto actor = dds::MakeDdsActorBus(FreshRun(), 11);
   EXPECT_EQ(actor->Send(SomeEpisode(0)), ActorBus::SendResult::kNoLearner);
   actor->Close(std::chrono::milliseconds(0));
   EXPECT_EQ(actor->Send(SomeEpisode(0)), ActorBus::SendResult::kClosed);
@@ -175,7 +175,7 @@ TEST(DdsBusTest, EpisodeWithoutALearnerIsRefused) {
 
 TEST(DdsBusTest, AToolThatReadsEpisodesIsNoLearner) {
   const BusOptions options = FreshRun();
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   dds::Inbox inbox;
   dds::WriterWatch watch(&inbox);
   dds::Participant tool(options, "tool");
@@ -193,9 +193,9 @@ TEST(DdsBusTest, AToolThatReadsEpisodesIsNoLearner) {
 
 TEST(DdsBusTest, ActorThatLeavesIsReportedOnce) {
   const BusOptions options = FreshRun();
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto learner = dds::MakeDdsLearnerBus(options);
   {
-    const auto actor = MakeDdsActorBus(options, kBig);
+    const auto actor = dds::MakeDdsActorBus(options, kBig);
     ASSERT_TRUE(Join(*learner, *actor, kBig));
   }
   const auto lost = Next<ActorLost>(*learner);
@@ -210,16 +210,16 @@ TEST(DdsBusTest, ActorThatLeavesIsReportedOnce) {
 
 TEST(DdsBusTest, LearnerThatLeavesAndItsSuccessorAreSeen) {
   const BusOptions options = FreshRun();
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   {
-    const auto learner = MakeDdsLearnerBus(options);
+    const auto learner = dds::MakeDdsLearnerBus(options);
     learner->Publish(SomeDescription(5, options.run_name));
     ASSERT_TRUE(Next<RunDescription>(*actor));
   }
   const auto lost = Next<LearnerLost>(*actor);
   ASSERT_TRUE(lost);
   EXPECT_EQ(lost->learner_id, 5);
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto learner = dds::MakeDdsLearnerBus(options);
   RunDescription successor = SomeDescription(6, options.run_name);
   successor.incarnation = 4;
   learner->Publish(successor);
@@ -228,17 +228,17 @@ TEST(DdsBusTest, LearnerThatLeavesAndItsSuccessorAreSeen) {
 
 TEST(DdsBusTest, LastWordsOfALearnerComeBeforeItsLoss) {
   const BusOptions options = FreshRun();
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   RunDescription description = SomeDescription(1, options.run_name);
   {
-    const auto learner = MakeDdsLearnerBus(options);
+    const auto learner = dds::MakeDdsLearnerBus(options);
     learner->Publish(description);
     ASSERT_TRUE(Next<RunDescription>(*actor));
     description.finished = true;
     learner->Publish(description);
   }
   // While the actor looks elsewhere, the learner leaves and another one comes.
-  const auto successor = MakeDdsLearnerBus(options);
+  const auto successor = dds::MakeDdsLearnerBus(options);
   for (const auto deadline = Soon(); Clock::now() < deadline;) {
     actor->Send(SomeStatus(11));
     if (Next<ActorStatus>(*successor, Clock::now() + std::chrono::milliseconds(100))) break;
@@ -253,12 +253,12 @@ TEST(DdsBusTest, LastWordsOfALearnerComeBeforeItsLoss) {
 
 TEST(DdsBusTest, EachOfTwoLearnersThatLeaveTogetherIsReported) {
   const BusOptions options = FreshRun();
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   {
-    const auto learner = MakeDdsLearnerBus(options);
+    const auto learner = dds::MakeDdsLearnerBus(options);
     learner->Publish(SomeDescription(1, options.run_name));
     ASSERT_TRUE(Next<RunDescription>(*actor));
-    const auto rival = MakeDdsLearnerBus(options);
+    const auto rival = dds::MakeDdsLearnerBus(options);
     rival->Publish(SomeDescription(2, options.run_name));
     ASSERT_TRUE(Next<RunDescription>(*actor));
   }
@@ -277,10 +277,10 @@ TEST(DdsBusTest, EachOfTwoLearnersThatLeaveTogetherIsReported) {
 
 TEST(DdsBusTest, RivalLearnersSeeEachOtherComeAndGoButNeverThemselves) {
   const BusOptions options = FreshRun();
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto learner = dds::MakeDdsLearnerBus(options);
   learner->Publish(SomeDescription(1, options.run_name));
   {
-    const auto rival = MakeDdsLearnerBus(options);
+    const auto rival = dds::MakeDdsLearnerBus(options);
     rival->Publish(SomeDescription(2, options.run_name));
     const auto seen = learner->Wait(Soon());
     ASSERT_TRUE(seen);
@@ -296,7 +296,7 @@ TEST(DdsBusTest, RivalLearnersSeeEachOtherComeAndGoButNeverThemselves) {
 }
 
 TEST(DdsBusTest, WakeEndsAWaitFromAnotherThread) {
-  const auto learner = MakeDdsLearnerBus(FreshRun());
+  const auto learner = dds::MakeDdsLearnerBus(FreshRun());
   std::thread waker([&] { learner->Wake(); });
   EXPECT_TRUE(Next<Woken>(*learner));
   waker.join();
@@ -306,10 +306,10 @@ TEST(DdsBusTest, WakeEndsAWaitFromAnotherThread) {
 TEST(DdsBusTest, BadOptionsAreNamed) {
   BusOptions options = FreshRun();
   options.run_name = "no*wildcards";
-  EXPECT_THROW(MakeDdsLearnerBus(options), std::invalid_argument);
+  EXPECT_THROW(dds::MakeDdsLearnerBus(options), std::invalid_argument);
   options = FreshRun();
   options.domain = 233;
-  EXPECT_THROW(MakeDdsActorBus(options, 1), std::invalid_argument);
+  EXPECT_THROW(dds::MakeDdsActorBus(options, 1), std::invalid_argument);
 }
 
 }  // namespace

@@ -43,13 +43,13 @@ TEST(DdsDescriptorsTest, WithoutASocketToProbeByADiscoveryClientIsAnErrorAndLeav
   const int next = NextDescriptor();
   {
     const DescriptorLimit room_for_one(next + 1);
-    EXPECT_THROW(dds::DiscoveryClient({server}, true), std::system_error);
+    EXPECT_THROW(dds::workarounds::DiscoveryClient({server}, true), std::system_error);
   }
   EXPECT_EQ(NextDescriptor(), next);
 }
 
 TEST(DdsDescriptorsTest, ALearnerOverTcpEnds) {
-  auto learner = MakeDdsLearnerBus(FreshRun(Transport::kTcp));
+  auto learner = dds::MakeDdsLearnerBus(FreshRun(Transport::kTcp));
   const DescriptorLimit none(0);
   learner.reset();  // it looks its connections up, and must not throw
 }

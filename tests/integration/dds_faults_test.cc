@@ -134,12 +134,12 @@ TEST(DdsFaultsTest, StoppedActorIsLostAndComesBack) {
 
 TEST(DdsRejoinTest, AnActorThatJoinedByANewParticipantIsNotLostWithItsOldOne) {
   const BusOptions options = FreshRun();
-  const auto learner = MakeDdsLearnerBus(options);
-  auto old_one = MakeDdsActorBus(options, 11);
+  const auto learner = dds::MakeDdsLearnerBus(options);
+  auto old_one = dds::MakeDdsActorBus(options, 11);
   ASSERT_TRUE(Join(*learner, *old_one, 11));
-  const auto new_one = MakeDdsActorBus(options, 11);
+  const auto new_one = dds::MakeDdsActorBus(options, 11);
   ASSERT_TRUE(Join(*learner, *new_one, 11));
-  auto witness = MakeDdsActorBus(options, 12);
+  auto witness = dds::MakeDdsActorBus(options, 12);
   ASSERT_TRUE(Join(*learner, *witness, 12));
   old_one.reset();
   witness.reset();  // noticed after the other, whose farewell came first

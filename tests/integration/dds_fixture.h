@@ -100,7 +100,7 @@ inline RunDescription SomeDescription(std::uint64_t learner_id, const std::strin
 
 /// A learner that actors know for one.
 inline std::unique_ptr<LearnerBus> ServingLearner(const BusOptions& options) {
-  auto learner = MakeDdsLearnerBus(options);
+  auto learner = dds::MakeDdsLearnerBus(options);
   learner->Publish(SomeDescription(1, options.run_name));
   return learner;
 }

@@ -71,7 +71,7 @@ constexpr int kSurelyBad = 9;
 
 TEST(DdsHostileTest, EpisodesOfAnyBytesAreReportedAndSurvived) {
   const BusOptions options = FreshRun();
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto learner = dds::MakeDdsLearnerBus(options);
   const auto bad = BadSamplesBefore<wire::EpisodePubSubType>(options, *learner, dds::kEpisodeTopic,
                                                              SomeEpisode(123456789, 2));
   ASSERT_TRUE(bad);
@@ -80,7 +80,7 @@ TEST(DdsHostileTest, EpisodesOfAnyBytesAreReportedAndSurvived) {
 
 TEST(DdsHostileTest, StatusesOfAnyBytesAreReportedAndSurvived) {
   const BusOptions options = FreshRun();
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto learner = dds::MakeDdsLearnerBus(options);
   const auto bad = BadSamplesBefore<wire::ActorStatusPubSubType>(
       options, *learner, dds::kActorStatusTopic, SomeStatus(11));
   ASSERT_TRUE(bad);
@@ -89,7 +89,7 @@ TEST(DdsHostileTest, StatusesOfAnyBytesAreReportedAndSurvived) {
 
 TEST(DdsHostileTest, DescriptionsOfAnyBytesAreReportedAndSurvived) {
   const BusOptions options = FreshRun();
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   const auto bad = BadSamplesBefore<wire::RunDescriptionPubSubType>(
       options, *actor, dds::kRunDescriptionTopic, SomeDescription(1, "x"));
   ASSERT_TRUE(bad);
@@ -98,7 +98,7 @@ TEST(DdsHostileTest, DescriptionsOfAnyBytesAreReportedAndSurvived) {
 
 TEST(DdsHostileTest, SnapshotsOfAnyBytesAreReportedAndSurvived) {
   const BusOptions options = FreshRun();
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   const auto bad = BadSamplesBefore<wire::PolicySnapshotPubSubType>(
       options, *actor, dds::kPolicySnapshotTopic, SomeSnapshot(4, 50));
   ASSERT_TRUE(bad);
@@ -108,7 +108,7 @@ TEST(DdsHostileTest, SnapshotsOfAnyBytesAreReportedAndSurvived) {
 
 TEST(DdsHostileTest, LearnerStatusesOfAnyBytesAreReportedAndSurvived) {
   const BusOptions options = FreshRun();
-  const auto observer = MakeDdsObserverBus(options);
+  const auto observer = dds::MakeDdsObserverBus(options);
   const auto bad = BadSamplesBefore<wire::LearnerStatusPubSubType>(
       options, *observer, dds::kLearnerStatusTopic, SomeLearnerStatus(3));
   ASSERT_TRUE(bad);
@@ -117,7 +117,7 @@ TEST(DdsHostileTest, LearnerStatusesOfAnyBytesAreReportedAndSurvived) {
 
 TEST(DdsHostileTest, OrdersOfAnyBytesAreSurvived) {
   const BusOptions options = FreshRun();
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   // The content filter may drop what does not say whom it is for, so bad samples are not counted.
   EXPECT_TRUE(BadSamplesBefore<wire::EpisodeOrderPubSubType>(
       options, *actor, dds::kEpisodeOrderTopic, SomeOrder(11, 5)));
@@ -125,8 +125,8 @@ TEST(DdsHostileTest, OrdersOfAnyBytesAreSurvived) {
 
 TEST(DdsHostileTest, StatusOfAnotherProtocolVersionTellsItsVersionAndWhoItIs) {
   const BusOptions options = FreshRun();
-  const auto learner = MakeDdsLearnerBus(options);
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto learner = dds::MakeDdsLearnerBus(options);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   ActorStatus status = SomeStatus(11);
   status.protocol_version = kProtocolVersion + 7;
   ActorStatus header_alone;
@@ -144,9 +144,9 @@ TEST(DdsHostileTest, StatusOfAnotherProtocolVersionTellsItsVersionAndWhoItIs) {
 
 TEST(DdsHostileTest, DescriptionOfAnotherProtocolVersionTellsItsVersionToActorsAndRivals) {
   const BusOptions options = FreshRun();
-  const auto actor = MakeDdsActorBus(options, 11);
-  const auto rival = MakeDdsLearnerBus(options);
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
+  const auto rival = dds::MakeDdsLearnerBus(options);
+  const auto learner = dds::MakeDdsLearnerBus(options);
   RunDescription description = SomeDescription(1, options.run_name);
   description.protocol_version = kProtocolVersion + 7;
   RunDescription header_alone;
@@ -162,7 +162,7 @@ TEST(DdsHostileTest, DescriptionOfAnotherProtocolVersionTellsItsVersionToActorsA
 
 TEST(DdsHostileTest, EpisodeOfAnotherProtocolVersionIsReportedWithBothVersions) {
   const BusOptions options = FreshRun();
-  const auto learner = MakeDdsLearnerBus(options);
+  const auto learner = dds::MakeDdsLearnerBus(options);
   RawWriter attacker(options, dds::kEpisodeTopic, wire::EpisodePubSubType().getName());
   ASSERT_TRUE(attacker.WaitForReader(Soon()));
   Bytes bytes = Encode<wire::EpisodePubSubType>(SomeEpisode(1, 1));

@@ -7,7 +7,7 @@ namespace metronome::test {
 namespace {
 
 int Serve(const BusOptions& options, std::uint64_t actor_id) {
-  const auto bus = MakeDdsActorBus(options, actor_id);
+  const auto bus = dds::MakeDdsActorBus(options, actor_id);
   const auto end = Clock::now() + std::chrono::minutes(2);  // no test lasts as long
   for (std::uint64_t number = 0; Clock::now() < end; ++number) {
     bus->Send(SomeStatus(actor_id));

@@ -136,8 +136,8 @@ TEST(DdsQosTest, ActorsFindTheLearnerAndNotEachOther) {
 
 TEST(DdsQosTest, PeerOfAnotherQualityOfServiceIsReported) {
   const BusOptions options = FreshRun();
-  const auto learner = MakeDdsLearnerBus(options);
-  const auto actor = MakeDdsActorBus(options, 11);
+  const auto learner = dds::MakeDdsLearnerBus(options);
+  const auto actor = dds::MakeDdsActorBus(options, 11);
   dds::TopicProfile forgetful = dds::kRunDescriptionTopic;
   forgetful.transient_local = false;
   dds::Participant stranger(options, "stranger");

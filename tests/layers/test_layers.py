@@ -1,4 +1,4 @@
-"""The tables of folders in the READMEs are true: of every #include, of CMake's targets, of what lies in a folder."""
+"""The tables of folders in the READMEs are true: of every #include, CMake target, namespace, of what lies in a folder."""
 
 import graphlib
 import re
@@ -73,6 +73,29 @@ def test_the_tables_have_every_folder_and_none_is_too_large():
     generated = {"idl", "common/schema"}
     assert set(table()) == set(files) | generated
     assert max(files.values()) <= MOST_FILES, files
+
+
+def namespace_of(folder):
+    """A folder's namespace is its path below the part; what crosses the wire is everybody's vocabulary."""
+    part, *below = folder.split("/")
+    return "metronome" if folder == "common/messages" else "::".join(["metronome", *(below or [part])])
+
+
+def misplaced(files, root=ROOT):
+    return [f"{path}: {name}" for path in files
+            for name in re.findall(r"^namespace (metronome[\w:]*) \{", (root / path).read_text(), re.MULTILINE)
+            if name != namespace_of(str(path.parent))]
+
+
+def test_a_folder_is_one_namespace():
+    assert not misplaced(sources())
+
+
+def test_a_file_in_the_namespace_of_another_folder_is_found(tmp_path):
+    path = Path("learner/collect/orders/roster.cc")
+    (tmp_path / path).parent.mkdir(parents=True)
+    (tmp_path / path).write_text("namespace metronome::collect {\n}\n")
+    assert misplaced([path], tmp_path) == [f"{path}: metronome::collect"]
 
 
 def cmake_of(folder):

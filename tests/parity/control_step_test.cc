@@ -58,10 +58,11 @@ void ExpectSameState(const mjModel& m, const mjData& a, const mjData& b) {
 class ControlStepTest : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
-    const auto scene = Scene::Load(DefaultAssetsPath(), FindTask(GetParam()).scene);
+    const auto scene = metaworld::engine::Scene::Load(DefaultAssetsPath(),
+                                                      metaworld::tasks::FindTask(GetParam()).scene);
     model_ = scene->CopyModel();
-    stepper_ = std::make_unique<ControlStepper>(*model_);
-    for (DataPtr* data : {&plain_, &fast_}) {
+    stepper_ = std::make_unique<metaworld::engine::ControlStepper>(*model_);
+    for (metaworld::engine::DataPtr* data : {&plain_, &fast_}) {
       *data = scene->MakeData();
       mj_resetData(model_.get(), data->get());
       mj_forward(model_.get(), data->get());
@@ -70,7 +71,8 @@ class ControlStepTest : public testing::TestWithParam<std::string> {
 
   /// Walks the hand about the table, low and among the objects for most of the time.
   void Drive(mjData& data, int t) const {
-    RandomStream stream(RandomPurpose::kEvaluate, 21, 0, static_cast<std::uint64_t>(t / 12));
+    numbers::RandomStream stream(numbers::RandomPurpose::kEvaluate, 21, 0,
+                                 static_cast<std::uint64_t>(t / 12));
     const std::array<double, 3> low = {-0.25, 0.45, 0.05}, high = {0.25, 0.9, 0.25};
     for (int i = 0; i < 3; ++i) {
       const double pull = i == 2 && t % 200 < 150 ? -0.006 : 0.0;
@@ -85,13 +87,13 @@ class ControlStepTest : public testing::TestWithParam<std::string> {
 
   /// As the official environment makes it.
   void PlainControlStep(mjData& data) const {
-    for (int i = 0; i < kPhysicsSteps; ++i) mj_step(model_.get(), &data);
+    for (int i = 0; i < metaworld::engine::kPhysicsSteps; ++i) mj_step(model_.get(), &data);
     mj_forward(model_.get(), &data);
   }
 
-  ModelPtr model_;
-  std::unique_ptr<ControlStepper> stepper_;
-  DataPtr plain_, fast_;
+  metaworld::engine::ModelPtr model_;
+  std::unique_ptr<metaworld::engine::ControlStepper> stepper_;
+  metaworld::engine::DataPtr plain_, fast_;
 };
 
 TEST_P(ControlStepTest, ShortcutsGiveTheBitsOfThePlainLoopThroughHundredsOfContacts) {

@@ -29,14 +29,16 @@ bool SameBits(const Bits& a, const Bits& b) {
 }
 
 RandVec Placement(const TaskSpec& task, std::uint64_t number) {
-  RandomStream stream(RandomPurpose::kEvaluate, 11, number, kPlacementDraw);
+  numbers::RandomStream stream(numbers::RandomPurpose::kEvaluate, 11, number,
+                               numbers::kPlacementDraw);
   return DrawPlacement(task, stream);
 }
 
 /// Smoothly changing actions that press the hand down among the objects, beyond the limits at
 /// times.
 Action ActionAt(std::uint64_t episode, int t) {
-  RandomStream stream(RandomPurpose::kEvaluate, 12, episode, static_cast<std::uint64_t>(t / 10));
+  numbers::RandomStream stream(numbers::RandomPurpose::kEvaluate, 12, episode,
+                               static_cast<std::uint64_t>(t / 10));
   Action action{};
   for (float& component : action) component = static_cast<float>(1.5 * stream.Normal());
   action[2] -= t < 60 ? 0.8F : 0.0F;
@@ -64,11 +66,12 @@ Bits Play(SawyerEnvironment& environment, const Observation& first, std::uint64_
 class EnvironmentTest : public testing::TestWithParam<std::string> {
  protected:
   [[nodiscard]] std::unique_ptr<SawyerEnvironment> Make(bool goal_visible = true) const {
-    return MakeSawyerEnvironment(GetParam(), {.goal_visible = goal_visible, .assets = ""});
+    return metaworld::tasks::MakeSawyerEnvironment(GetParam(),
+                                                   {.goal_visible = goal_visible, .assets = ""});
   }
   [[nodiscard]] RandVec Place(std::uint64_t number) const { return Placement(task_, number); }
 
-  const TaskSpec& task_ = FindTask(GetParam());
+  const TaskSpec& task_ = metaworld::tasks::FindTask(GetParam());
 };
 
 TEST_P(EnvironmentTest, AnEpisodeDoesNotDependOnWhatWasPlayedBefore) {
@@ -151,11 +154,12 @@ TEST_P(EnvironmentTest, ObservationsStackTheFrameBefore) {
 }
 
 TEST_P(EnvironmentTest, TheCanonicalDigestIsAFunctionOfTheTask) {
-  const EnvironmentRegistry registry(Environments());
-  const std::string digest = CanonicalDigest(registry, GetParam());
+  const environment::EnvironmentRegistry registry(metaworld::tasks::Environments());
+  const std::string digest = play::CanonicalDigest(registry, GetParam());
   EXPECT_EQ(digest.size(), 128U) << "the environment's, then the policy's";
-  EXPECT_EQ(CanonicalDigest(registry, GetParam() + "-v3"), digest);
-  const std::string other = CanonicalDigest(registry, GetParam() == "push" ? "assembly" : "push");
+  EXPECT_EQ(play::CanonicalDigest(registry, GetParam() + "-v3"), digest);
+  const std::string other =
+      play::CanonicalDigest(registry, GetParam() == "push" ? "assembly" : "push");
   EXPECT_NE(other.substr(0, 64), digest.substr(0, 64));
   EXPECT_EQ(other.substr(64), digest.substr(64)) << "one policy for all tasks";
 }
@@ -171,7 +175,8 @@ INSTANTIATE_TEST_SUITE_P(Tasks, EnvironmentTest, EachTask(), TestName);
 
 TEST(EngineTest, MissingScenesNameTheFileAndTheRemedy) {
   try {
-    MakeSawyerEnvironment("push", {.goal_visible = true, .assets = "/nowhere/assets"});
+    metaworld::tasks::MakeSawyerEnvironment("push",
+                                            {.goal_visible = true, .assets = "/nowhere/assets"});
     FAIL() << "no exception";
   } catch (const std::runtime_error& error) {
     const std::string message = error.what();
@@ -181,22 +186,24 @@ TEST(EngineTest, MissingScenesNameTheFileAndTheRemedy) {
 }
 
 TEST(EngineTest, AnErrorInsideMuJoCoIsAnException) {
-  const auto scene = Scene::Load(DefaultAssetsPath(), FindTask("push").scene);
-  const ModelPtr model = scene->CopyModel();
-  const DataPtr data = scene->MakeData();
+  const auto scene =
+      metaworld::engine::Scene::Load(DefaultAssetsPath(), metaworld::tasks::FindTask("push").scene);
+  const metaworld::engine::ModelPtr model = scene->CopyModel();
+  const metaworld::engine::DataPtr data = scene->MakeData();
   model->opt.integrator = 99;
-  EXPECT_THROW(mj_step(model.get(), data.get()), EngineError);
+  EXPECT_THROW(mj_step(model.get(), data.get()), metaworld::engine::EngineError);
   model->opt.integrator = mjINT_EULER;
-  const DataPtr other = scene->MakeData();
+  const metaworld::engine::DataPtr other = scene->MakeData();
   EXPECT_NO_THROW(mj_step(model.get(), other.get())) << "the process lives on";
 }
 
 TEST(EngineTest, AWarningOfMuJoCoLeavesNoFile) {
   const std::filesystem::path file = "MUJOCO_LOG.TXT";
   std::filesystem::remove(file);
-  const auto scene = Scene::Load(DefaultAssetsPath(), FindTask("push").scene);
-  const ModelPtr model = scene->CopyModel();
-  const DataPtr data = scene->MakeData();
+  const auto scene =
+      metaworld::engine::Scene::Load(DefaultAssetsPath(), metaworld::tasks::FindTask("push").scene);
+  const metaworld::engine::ModelPtr model = scene->CopyModel();
+  const metaworld::engine::DataPtr data = scene->MakeData();
   data->qpos[0] = std::nan("");
   mj_step(model.get(), data.get());
   EXPECT_EQ(data->warning[mjWARN_BADQPOS].number, 1) << "no warning was provoked";

@@ -21,7 +21,7 @@ namespace {
 
 class GeomBoundsTest : public testing::TestWithParam<std::string> {};
 
-void PlaceAtRandom(const mjModel& m, mjData& d, int geom, RandomStream& random) {
+void PlaceAtRandom(const mjModel& m, mjData& d, int geom, numbers::RandomStream& random) {
   std::array<mjtNum, 4> quaternion;
   for (mjtNum& x : quaternion) x = random.Normal();
   mju_normalize4(quaternion.data());
@@ -31,13 +31,14 @@ void PlaceAtRandom(const mjModel& m, mjData& d, int geom, RandomStream& random) 
 }
 
 TEST_P(GeomBoundsTest, PairsThatAreCalledApartHaveNoContact) {
-  const auto scene = Scene::Load(DefaultAssetsPath(), FindTask(GetParam()).scene);
-  const ModelPtr model = scene->CopyModel();
-  const DataPtr data = scene->MakeData();
+  const auto scene = metaworld::engine::Scene::Load(DefaultAssetsPath(),
+                                                    metaworld::tasks::FindTask(GetParam()).scene);
+  const metaworld::engine::ModelPtr model = scene->CopyModel();
+  const metaworld::engine::DataPtr data = scene->MakeData();
   const mjModel& m = *model;
-  const GeomBounds bounds(m);
+  const metaworld::engine::GeomBounds bounds(m);
   mj_forward(model.get(), data.get());
-  RandomStream random(RandomPurpose::kEvaluate, 31, 0, 0);
+  numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 31, 0, 0);
   std::array<mjContact, mjMAXCONPAIR> contacts;
   int apart = 0, touching = 0;
   for (int trial = 0; trial < 20000; ++trial) {
@@ -60,10 +61,13 @@ TEST_P(GeomBoundsTest, PairsThatAreCalledApartHaveNoContact) {
 }
 
 TEST_P(GeomBoundsTest, ASceneWithPredefinedPairsIsRefused) {
-  const ModelPtr model = Scene::Load(DefaultAssetsPath(), FindTask(GetParam()).scene)->CopyModel();
-  EXPECT_NO_THROW(CollisionPairs{*model});
+  const metaworld::engine::ModelPtr model =
+      metaworld::engine::Scene::Load(DefaultAssetsPath(),
+                                     metaworld::tasks::FindTask(GetParam()).scene)
+          ->CopyModel();
+  EXPECT_NO_THROW(metaworld::engine::CollisionPairs{*model});
   model->npair = 1;
-  EXPECT_THROW(CollisionPairs{*model}, std::logic_error);
+  EXPECT_THROW(metaworld::engine::CollisionPairs{*model}, std::logic_error);
   model->npair = 0;
 }
 

@@ -30,9 +30,9 @@ std::map<std::pair<std::string, std::uint32_t>, std::vector<RandVec>> OfficialPl
     RandVec placement{};
     for (double& number : placement) {
       std::getline(fields, field, ',');
-      number = ParseNumber<double>(field).value();
+      number = text::ParseNumber<double>(field).value();
     }
-    placements[{task, ParseNumber<std::uint32_t>(seed).value()}].push_back(placement);
+    placements[{task, text::ParseNumber<std::uint32_t>(seed).value()}].push_back(placement);
   }
   return placements;
 }
@@ -42,18 +42,19 @@ TEST(PlacementTest, Mt1EqualsTheOfficialBenchmarkNumberForNumber) {
   ASSERT_EQ(official.size(), 12U);
   for (const auto& [key, want] : official) {
     SCOPED_TRACE(key.first + ", seed " + std::to_string(key.second));
-    EXPECT_EQ(Mt1Placements(FindTask(key.first), key.second), want);
+    EXPECT_EQ(Mt1Placements(metaworld::tasks::FindTask(key.first), key.second), want);
   }
 }
 
 double PlanarDistance(const RandVec& p) { return std::hypot(p[0] - p[3], p[1] - p[4]); }
 
 TEST(PlacementTest, DrawsFillTheBoxAndKeepTheLeastDistance) {
-  for (const TaskSpec& task : AllTasks()) {
+  for (const TaskSpec& task : metaworld::tasks::AllTasks()) {
     SCOPED_TRACE(task.name);
     RandVec least = task.high, most = task.low;
     for (std::uint64_t number = 0; number < 2000; ++number) {
-      RandomStream stream(RandomPurpose::kTrain, 3, number, kPlacementDraw);
+      numbers::RandomStream stream(numbers::RandomPurpose::kTrain, 3, number,
+                                   numbers::kPlacementDraw);
       const RandVec p = DrawPlacement(task, stream);
       EXPECT_GE(PlanarDistance(p), task.min_planar_distance);
       for (std::size_t i = 0; i < p.size(); ++i) {
@@ -72,9 +73,10 @@ TEST(PlacementTest, DrawsFillTheBoxAndKeepTheLeastDistance) {
 }
 
 TEST(PlacementTest, ADrawIsAFunctionOfItsStream) {
-  const TaskSpec& task = FindTask("push");
+  const TaskSpec& task = metaworld::tasks::FindTask("push");
   const auto draw = [&task](std::uint64_t seed, std::uint64_t number) {
-    RandomStream stream(RandomPurpose::kTrain, seed, number, kPlacementDraw);
+    numbers::RandomStream stream(numbers::RandomPurpose::kTrain, seed, number,
+                                 numbers::kPlacementDraw);
     return DrawPlacement(task, stream);
   };
   EXPECT_EQ(draw(1, 5), draw(1, 5));
@@ -83,24 +85,24 @@ TEST(PlacementTest, ADrawIsAFunctionOfItsStream) {
 }
 
 TEST(TaskTableTest, VersionSuffixesNameTheSameTask) {
-  for (const TaskSpec& task : AllTasks())
+  for (const TaskSpec& task : metaworld::tasks::AllTasks())
     for (const char* suffix : {"", "-v2", "-v3"})
-      EXPECT_EQ(&FindTask(task.name + suffix), &task) << suffix;
+      EXPECT_EQ(&metaworld::tasks::FindTask(task.name + suffix), &task) << suffix;
 }
 
 TEST(TaskTableTest, AnUnknownTaskIsRefusedWithTheNearMissAndTheList) {
   try {
-    FindTask("pussh");
+    metaworld::tasks::FindTask("pussh");
     FAIL() << "no exception";
   } catch (const std::invalid_argument& error) {
     const std::string message = error.what();
     EXPECT_NE(message.find("pussh"), std::string::npos) << message;
     EXPECT_NE(message.find("did you mean \"push\""), std::string::npos) << message;
-    for (const TaskSpec& task : AllTasks())
+    for (const TaskSpec& task : metaworld::tasks::AllTasks())
       EXPECT_NE(message.find(task.name), std::string::npos) << message;
   }
-  EXPECT_THROW(FindTask("push-v4"), std::invalid_argument);
-  EXPECT_THROW(FindTask(""), std::invalid_argument);
+  EXPECT_THROW(metaworld::tasks::FindTask("push-v4"), std::invalid_argument);
+  EXPECT_THROW(metaworld::tasks::FindTask(""), std::invalid_argument);
 }
 
 }  // namespace

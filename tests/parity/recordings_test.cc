@@ -49,8 +49,8 @@ void ExpectSameInfo(const metaworld::StepInfo& got, const metaworld::StepInfo& w
   }
 }
 
-void ExpectSameSteps(const Trace& trace, const Recording& recording, double observation_tolerance,
-                     double reward_tolerance) {
+void ExpectSameSteps(const replay::Trace& trace, const replay::Recording& recording,
+                     double observation_tolerance, double reward_tolerance) {
   ASSERT_EQ(trace.steps.size(), recording.steps.size());
   for (std::size_t t = 0; t < trace.steps.size(); ++t) {
     SCOPED_TRACE("step " + std::to_string(t + 1));
@@ -65,7 +65,7 @@ void ExpectSameSteps(const Trace& trace, const Recording& recording, double obse
 }
 
 /// What another convex collision detector leaves of the agreement.
-void ExpectNear(const Trace& trace, const Recording& recording) {
+void ExpectNear(const replay::Trace& trace, const replay::Recording& recording) {
   std::vector<double> object(kHorizon);
   for (int t = 0; t < kHorizon; ++t)
     object[t] =
@@ -80,26 +80,26 @@ void ExpectNear(const Trace& trace, const Recording& recording) {
 
 class RecordingTest : public testing::TestWithParam<std::string> {
  protected:
-  void SetUp() override { recording_ = ReadRecording(GetParam()); }
+  void SetUp() override { recording_ = replay::ReadRecording(GetParam()); }
   [[nodiscard]] bool Convex() const {  // contacts by the convex collision detector rule the object
     return recording_.task == "push-v3" || recording_.task == "box-close-v3";
   }
-  Recording recording_;
+  replay::Recording recording_;
 };
 
 TEST_P(RecordingTest, ForcedReplayGivesTheRecordedObservationsAndRewards) {
-  const Trace trace = PlayRecording(recording_, TraceMode::kForced, "");
+  const replay::Trace trace = replay::PlayRecording(recording_, replay::TraceMode::kForced, "");
   ExpectSameSteps(trace, recording_, 1e-9, 2e-6);
 }
 
 TEST_P(RecordingTest, ResetGivesTheRecordedObservation) {
-  const Trace trace = PlayRecording(recording_, TraceMode::kForced, "");
+  const replay::Trace trace = replay::PlayRecording(recording_, replay::TraceMode::kForced, "");
   const double tolerance = kSameEngine ? 1e-9 : Convex() ? 1e-3 : 1e-9;
   EXPECT_LE(Distance(trace.reset, recording_.start.observation), tolerance);
 }
 
 TEST_P(RecordingTest, FreeReplayStaysOnTheTrajectoryAsFarAsTheEnginesAgree) {
-  const Trace trace = PlayRecording(recording_, TraceMode::kFree, "");
+  const replay::Trace trace = replay::PlayRecording(recording_, replay::TraceMode::kFree, "");
   if (kSameEngine)
     ExpectSameSteps(trace, recording_, 1e-9, 2e-6);
   else if (!Convex())

@@ -13,7 +13,7 @@ namespace metronome::metaworld {
 
 inline auto EachTask() {
   std::vector<std::string> names;
-  for (const TaskSpec& task : AllTasks()) names.push_back(task.name);
+  for (const TaskSpec& task : metaworld::tasks::AllTasks()) names.push_back(task.name);
   return testing::ValuesIn(names);
 }
 

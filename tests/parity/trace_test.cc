@@ -73,10 +73,10 @@ class TraceTest : public testing::Test {
     int status;
     std::string out, error;
   };
-  static Run Trace(const TraceOptions& options) {
+  static Run Trace(const replay::TraceOptions& options) {
     std::ostringstream out;
     testing::internal::CaptureStderr();
-    const int status = RunTrace(options, out);
+    const int status = replay::RunTrace(options, out);
     return {status, out.str(), testing::internal::GetCapturedStderr()};
   }
 
@@ -105,14 +105,15 @@ TEST_F(TraceTest, PrintsAHeaderTheResetAndARowPerStepThatReadBackExactly) {
   ASSERT_EQ(reset.size(), 47U);
   EXPECT_EQ(reset[0], "0");
   for (std::size_t i = 40; i < 47; ++i) EXPECT_EQ(reset[i], "") << i;
-  const metronome::Trace want = PlayRecording(ReadRecording(kPush), TraceMode::kForced, "");
+  const metronome::replay::Trace want =
+      replay::PlayRecording(replay::ReadRecording(kPush), replay::TraceMode::kForced, "");
   for (std::size_t t = 1; t <= 150; ++t) {
     const auto fields = Fields(lines[t + 1]);
     ASSERT_EQ(fields.size(), 47U);
     EXPECT_EQ(fields[0], std::to_string(t));
     for (int i = 0; i < metaworld::kObservationSize; ++i)
-      ASSERT_EQ(ParseNumber<double>(fields[i + 1]), want.steps[t - 1].observation[i]);
-    ASSERT_EQ(ParseNumber<double>(fields[40]), want.steps[t - 1].reward);
+      ASSERT_EQ(text::ParseNumber<double>(fields[i + 1]), want.steps[t - 1].observation[i]);
+    ASSERT_EQ(text::ParseNumber<double>(fields[40]), want.steps[t - 1].reward);
   }
 }
 

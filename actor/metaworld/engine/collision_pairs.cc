@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::engine {
 namespace {
 
 bool MayCollide(const mjModel& m, int geom1, int geom2) {
@@ -225,4 +225,4 @@ void CollisionPairs::CollidePair(const Candidate& pair, mjData& data) {
   }
 }
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::engine

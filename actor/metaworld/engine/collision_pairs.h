@@ -7,7 +7,7 @@
 
 #include "actor/metaworld/engine/geom_bounds.h"
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::engine {
 
 /// mj_collision with another search for the pairs that may touch; contacts are the same to the bit.
 ///
@@ -48,4 +48,4 @@ class CollisionPairs {
   std::array<mjContact, mjMAXCONPAIR> contacts_{};  // scratch
 };
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::engine

@@ -4,7 +4,7 @@
 #include <array>
 #include <stdexcept>
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::engine {
 namespace {
 
 constexpr int kMaxQpos = 64;  // Meta-World scenes have at most about 30
@@ -128,4 +128,4 @@ void ControlStepper::ControlStepAfterForward(mjData& data) {
   Forward(data);
 }
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::engine

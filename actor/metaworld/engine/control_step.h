@@ -6,7 +6,7 @@
 
 #include "actor/metaworld/engine/collision_pairs.h"
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::engine {
 
 inline constexpr int kPhysicsSteps = 5;  // per control step, 2.5 ms each
 
@@ -46,4 +46,4 @@ class ControlStepper {
   CollisionPairs pairs_;
 };
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::engine

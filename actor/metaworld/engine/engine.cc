@@ -8,7 +8,7 @@
 
 #include "actor/metaworld/engine/weld_correction.h"
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::engine {
 namespace {
 
 // Thrown through MuJoCo's C frames, which carry unwind tables on x86-64.
@@ -64,4 +64,4 @@ ModelPtr Scene::CopyModel() const { return ModelPtr(mj_copyModel(nullptr, model_
 
 DataPtr Scene::MakeData() const { return DataPtr(mj_makeData(model_.get())); }
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::engine

@@ -9,7 +9,7 @@
 #include <string>
 
 /// MuJoCo, made safe to own: handles, process-wide set-up, loading.
-namespace metronome::metaworld {
+namespace metronome::metaworld::engine {
 
 struct ModelDeleter {
   void operator()(mjModel* model) const { mj_deleteModel(model); }
@@ -66,4 +66,4 @@ class Scene {
   DataPtr settled_;
 };
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::engine

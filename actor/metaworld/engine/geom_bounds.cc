@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::engine {
 namespace {
 
 constexpr mjtNum kSlack = 1e-3;  // metres
@@ -151,4 +151,4 @@ bool GeomBounds::BoxesApart(const mjData& data, int geom1, int geom2, mjtNum gap
   return false;
 }
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::engine

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::engine {
 
 /// Boxes and spheres around geoms, and the test whether two geoms are surely apart. Immutable,
 /// hence thread-safe.
@@ -34,4 +34,4 @@ class GeomBounds {
   std::vector<Bounds> bounds_;  // [ngeom]
 };
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::engine

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::engine {
 namespace {
 
 /// Rewrites the three rotational rows of the weld that starts at `row`. Runs between
@@ -40,14 +40,14 @@ void CorrectWelds(const mjModel* m, mjData* d) {
 
 void InstallWeldCorrection() { mjcb_control = CorrectWelds; }
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::engine
 
 #else
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::engine {
 
 void InstallWeldCorrection() {}
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::engine
 
 #endif

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::engine {
 
 /// On MuJoCo 2.2.2, makes welds with a torque scale the constraint that 3.3.0 makes of them, for
 /// every model and mjData of the process: 2.2.2 applies the scale to the Jacobian only, neither to
@@ -9,4 +9,4 @@ namespace metronome::metaworld {
 /// any number of threads may step.
 void InstallWeldCorrection();
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::engine

@@ -3,7 +3,7 @@
 #include "actor/metaworld/sawyer.h"
 
 /// Put a wrench's ring over a peg. Reference spec sections 4 and 6.
-namespace metronome::metaworld {
+namespace metronome::metaworld::tasks {
 namespace {
 
 constexpr CagingShape kCaging = {.object_radius = 0.015,
@@ -92,4 +92,4 @@ std::unique_ptr<SawyerEnvironment> MakeAssembly(const TaskSpec& task,
   return std::make_unique<Assembly>(task, options);
 }
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::tasks

@@ -4,7 +4,7 @@
 #include "actor/metaworld/sawyer.h"
 
 /// Carry a cube from one bin to the other. Reference spec sections 4 and 6.
-namespace metronome::metaworld {
+namespace metronome::metaworld::tasks {
 namespace {
 
 constexpr CagingShape kCaging = {
@@ -78,4 +78,4 @@ std::unique_ptr<SawyerEnvironment> MakeBinPicking(const TaskSpec& task,
   return std::make_unique<BinPicking>(task, options);
 }
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::tasks

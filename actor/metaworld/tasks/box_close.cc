@@ -4,7 +4,7 @@
 #include "actor/metaworld/sawyer.h"
 
 /// Put a lid on a box. Reference spec sections 4 and 6.
-namespace metronome::metaworld {
+namespace metronome::metaworld::tasks {
 namespace {
 
 const Eigen::Vector4d kUpright(0.707, 0, 0, 0.707);  // quaternion (w, x, y, z) of a level lid
@@ -87,4 +87,4 @@ std::unique_ptr<SawyerEnvironment> MakeBoxClose(const TaskSpec& task,
   return std::make_unique<BoxClose>(task, options);
 }
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::tasks

@@ -10,24 +10,25 @@
 #include "actor/metaworld/sawyer.h"
 #include "actor/metaworld/tasks/task_table.h"
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::tasks {
 namespace {
 
 constexpr double kControlStep = 0.0125;  // seconds: five physics steps
 
 /// A scene behind the contract that all environments share.
-class MetaworldEnvironment final : public Environment, public MujocoView {
+class MetaworldEnvironment final : public environment::Environment, public environment::MujocoView {
  public:
   MetaworldEnvironment(const TaskSpec& task, const EnvironmentConfig& config)
       : task_(task),
         placements_(config.placements()),
         scene_(task.make(task, {.goal_visible = config.goal_visible(), .assets = ""})) {}
 
-  void Reset(EpisodeStart& start, std::span<float> observation) override {
+  void Reset(environment::EpisodeStart& start, std::span<float> observation) override {
     Show(scene_->Reset(StartPlacement(task_, placements_, start)), observation);
   }
 
-  StepOutcome Step(std::span<const float> action, std::span<float> observation) override {
+  environment::StepOutcome Step(std::span<const float> action,
+                                std::span<float> observation) override {
     Action given{};
     std::copy_n(action.begin(), given.size(), given.begin());
     const StepResult result = scene_->Step(given);
@@ -38,15 +39,15 @@ class MetaworldEnvironment final : public Environment, public MujocoView {
             .truncated = result.truncated};
   }
 
-  [[nodiscard]] const MujocoView* mujoco() const override { return this; }
+  [[nodiscard]] const environment::MujocoView* mujoco() const override { return this; }
   [[nodiscard]] const mjModel& model() const override { return scene_->model(); }
   [[nodiscard]] const mjData& data() const override { return scene_->data(); }
-  [[nodiscard]] Landmarks landmarks() const override {
+  [[nodiscard]] environment::Landmarks landmarks() const override {
     return {.hand = {shown_[0], shown_[1], shown_[2]},
             .object = {shown_[4], shown_[5], shown_[6]},
             .gripper = shown_[3]};
   }
-  [[nodiscard]] CameraView view() const override { return task_.view; }
+  [[nodiscard]] environment::CameraView view() const override { return task_.view; }
   [[nodiscard]] double steps_per_second() const override { return 1 / kControlStep; }
 
  private:
@@ -85,8 +86,8 @@ std::optional<std::int32_t> DifferentStarts(const EnvironmentConfig& config) {
 
 }  // namespace
 
-std::vector<EnvironmentEntry> Environments() {
-  std::vector<EnvironmentEntry> entries;
+std::vector<environment::EnvironmentEntry> Environments() {
+  std::vector<environment::EnvironmentEntry> entries;
   for (const TaskSpec& task : AllTasks()) {
     entries.push_back({.spec = SpecOf(task),
                        .aliases = {task.name + "-v2", task.name + "-v3"},
@@ -106,4 +107,4 @@ void RequireScenes() {
                            ": run deploy/setup");
 }
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::tasks

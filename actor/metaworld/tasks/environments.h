@@ -4,12 +4,12 @@
 
 #include "actor/environment/registry.h"
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::tasks {
 
 /// The table of tasks as environments: metaworld/NAME, NAME, NAME-v2 and NAME-v3.
-std::vector<EnvironmentEntry> Environments();
+std::vector<environment::EnvironmentEntry> Environments();
 
 /// @throws std::runtime_error if this machine has no scene files (says to run deploy/setup).
 void RequireScenes();
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::tasks

@@ -3,7 +3,7 @@
 #include "actor/metaworld/sawyer.h"
 
 /// Push a puck to a goal on the table. Reference spec sections 4 and 6.
-namespace metronome::metaworld {
+namespace metronome::metaworld::tasks {
 namespace {
 
 constexpr CagingShape kCaging = {
@@ -102,4 +102,4 @@ std::unique_ptr<SawyerEnvironment> MakePush(const TaskSpec& task,
   return std::make_unique<Push>(task, options);
 }
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::tasks

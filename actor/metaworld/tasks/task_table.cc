@@ -4,7 +4,7 @@
 
 #include "common/text/near_miss.h"
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::tasks {
 
 // Defined in tasks/NAME.cc.
 std::unique_ptr<SawyerEnvironment> MakeAssembly(const TaskSpec&, const EnvironmentOptions&);
@@ -55,7 +55,8 @@ const TaskSpec& FindTask(const std::string& spelling) {
     if (task.name == name) return task;
     names.push_back(task.name);
   }
-  throw std::invalid_argument(UnknownName("task", spelling, names, NearMiss(name, names)));
+  throw std::invalid_argument(
+      text::UnknownName("task", spelling, names, text::NearMiss(name, names)));
 }
 
 std::unique_ptr<SawyerEnvironment> MakeSawyerEnvironment(const std::string& task,
@@ -64,4 +65,4 @@ std::unique_ptr<SawyerEnvironment> MakeSawyerEnvironment(const std::string& task
   return spec.make(spec, options);
 }
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::tasks

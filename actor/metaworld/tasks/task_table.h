@@ -7,7 +7,7 @@
 #include "actor/metaworld/sawyer.h"
 #include "actor/metaworld/task_spec.h"
 
-namespace metronome::metaworld {
+namespace metronome::metaworld::tasks {
 
 /// The table, in alphabetical order. Thread-safe.
 const std::vector<TaskSpec>& AllTasks();
@@ -22,4 +22,4 @@ const TaskSpec& FindTask(const std::string& spelling);
 std::unique_ptr<SawyerEnvironment> MakeSawyerEnvironment(const std::string& task,
                                                          const EnvironmentOptions& options);
 
-}  // namespace metronome::metaworld
+}  // namespace metronome::metaworld::tasks

@@ -14,7 +14,7 @@
 #include <memory>
 #include <stdexcept>
 
-namespace metronome {
+namespace metronome::dds::security {
 namespace {
 
 namespace fs = std::filesystem;
@@ -229,8 +229,6 @@ void CheckIdentity(const BusOptions& options, const std::string& role) {
   CheckGrant(folder, options, role, SubjectOf(certificate.get()));
 }
 
-namespace dds {
-
 void AddSecurity(const std::string& folder, eprosima::fastrtps::rtps::PropertyPolicy* properties) {
   const auto add = [properties](const std::string& name, const std::string& value) {
     properties->properties().emplace_back("dds.sec." + name, value);
@@ -252,5 +250,4 @@ void AddSecurity(const std::string& folder, eprosima::fastrtps::rtps::PropertyPo
   add("crypto.plugin", "builtin.AES-GCM-GMAC");
 }
 
-}  // namespace dds
-}  // namespace metronome
+}  // namespace metronome::dds::security

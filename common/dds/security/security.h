@@ -8,7 +8,7 @@
 
 /// Taking part in a run whose participants deploy/security gave identities: DDS-Security with the
 /// files of one folder.
-namespace metronome {
+namespace metronome::dds::security {
 
 /// Judges an identity before Fast DDS does, which only logs and then fails. Does nothing if
 /// `options.security` is empty.
@@ -18,10 +18,7 @@ namespace metronome {
 ///         key, run, domain or role.
 void CheckIdentity(const BusOptions& options, const std::string& role);
 
-namespace dds {
-
 /// Authentication, access control and encryption by the identity in `folder`.
 void AddSecurity(const std::string& folder, eprosima::fastrtps::rtps::PropertyPolicy* properties);
 
-}  // namespace dds
-}  // namespace metronome
+}  // namespace metronome::dds::security

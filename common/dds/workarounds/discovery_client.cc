@@ -14,7 +14,7 @@
 #include <system_error>
 #include <utility>
 
-namespace metronome::dds {
+namespace metronome::dds::workarounds {
 namespace {
 
 // Shorter than a server takes to start.
@@ -127,4 +127,4 @@ void DiscoveryClient::Drop(const Prefix& server) {
   servers_.erase(known);
 }
 
-}  // namespace metronome::dds
+}  // namespace metronome::dds::workarounds

@@ -8,7 +8,7 @@
 #include "common/dds/workarounds/lease_race_guard.h"
 #include "common/messages/bus_options.h"
 
-namespace metronome::dds {
+namespace metronome::dds::workarounds {
 
 /// Two things that a participant needs to outlive its Discovery Servers, and that Fast DDS 2.9
 /// does not do. Thread-safe; must outlive the participant whose listener it is.
@@ -53,4 +53,4 @@ class DiscoveryClient final : public LeaseRaceGuard {
   std::thread thread_;
 };
 
-}  // namespace metronome::dds
+}  // namespace metronome::dds::workarounds

@@ -4,7 +4,7 @@
 
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 
-namespace metronome::dds {
+namespace metronome::dds::workarounds {
 
 using Discovered = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
 
@@ -35,4 +35,4 @@ class LeaseRaceGuard : public eprosima::fastdds::dds::DomainParticipantListener 
   }
 };
 
-}  // namespace metronome::dds
+}  // namespace metronome::dds::workarounds

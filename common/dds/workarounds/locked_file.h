@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-namespace metronome::dds {
+namespace metronome::dds::workarounds {
 
 /// An open file or folder and its lock (flock), which ends with it. errno says what went wrong.
 class LockedFile {
@@ -44,4 +44,4 @@ class LockedFile {
   int descriptor_ = -1;
 };
 
-}  // namespace metronome::dds
+}  // namespace metronome::dds::workarounds

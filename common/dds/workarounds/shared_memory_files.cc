@@ -13,7 +13,7 @@
 
 #include "common/dds/workarounds/locked_file.h"
 
-namespace metronome::dds {
+namespace metronome::dds::workarounds {
 namespace {
 
 namespace fs = std::filesystem;
@@ -145,4 +145,4 @@ std::string SegmentFiles() {
   return names;
 }
 
-}  // namespace metronome::dds
+}  // namespace metronome::dds::workarounds

@@ -6,7 +6,7 @@
 
 /// What Fast DDS 2.9 and the notes of common/dds/shared_memory.h leave in the folder of shared
 /// memory.
-namespace metronome::dds {
+namespace metronome::dds::workarounds {
 
 inline constexpr const char* kSharedMemoryFolder = "/dev/shm";  // what shm_open(3) takes
 
@@ -31,4 +31,4 @@ Others RemoveLeftovers(const std::string& prefix);
 std::string PortFiles();
 std::string SegmentFiles();
 
-}  // namespace metronome::dds
+}  // namespace metronome::dds::workarounds

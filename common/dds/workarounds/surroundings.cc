@@ -9,7 +9,7 @@
 #include <string>
 #include <system_error>
 
-namespace metronome::dds {
+namespace metronome::dds::workarounds {
 namespace {
 
 // All that Fast DDS 2.9 reads but FASTDDS_PKCS11_PIN, which is for keys that are not in files.
@@ -59,4 +59,4 @@ void WarnOfIgnoredSurroundings() {
   });
 }
 
-}  // namespace metronome::dds
+}  // namespace metronome::dds::workarounds

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace metronome::dds {
+namespace metronome::dds::workarounds {
 
 /// Fast DDS 2.9 takes discovery servers, profiles, statistics and settings of its log from
 /// environment variables and from a file in the current folder; any of them can keep a participant
@@ -10,4 +10,4 @@ namespace metronome::dds {
 /// Warns, once a process, of what is not used and what does the same.
 void WarnOfIgnoredSurroundings();
 
-}  // namespace metronome::dds
+}  // namespace metronome::dds::workarounds

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace metronome::dds {
+namespace metronome::dds::workarounds {
 namespace {
 
 constexpr std::chrono::milliseconds kMuteFor{300};
@@ -140,4 +140,4 @@ void EndConnections(std::uint16_t port) {
   }
 }
 
-}  // namespace metronome::dds
+}  // namespace metronome::dds::workarounds

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 /// What Fast DDS 2.9 does not do for its own TCP connections, by their sockets.
-namespace metronome::dds {
+namespace metronome::dds::workarounds {
 
 /// To be called once the learner's participant is made. Fast DDS writes to sockets in blocking
 /// calls; a peer whose machine is gone, or that is stopped, would hold the learner up for as long
@@ -30,4 +30,4 @@ void CutMuteConnections(std::uint16_t port);
 /// not closed by Fast DDS (under valgrind).
 void EndConnections(std::uint16_t port);
 
-}  // namespace metronome::dds
+}  // namespace metronome::dds::workarounds

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace metronome {
+namespace metronome::collect::orders {
 
 /// How much of the actors' time was without an order. Not thread-safe.
 class IdleTime {
@@ -36,4 +36,4 @@ class IdleTime {
   double idle_seconds_ = 0;
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect::orders

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace metronome {
+namespace metronome::collect::orders {
 namespace {
 
 using Player = NumberBook::Player;
@@ -184,4 +184,4 @@ void NumberBook::Publish(std::uint64_t version) {
   OpenBatches();
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect::orders

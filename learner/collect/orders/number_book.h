@@ -8,7 +8,7 @@
 
 #include "learner/collect/orders/order_rules.h"
 
-namespace metronome {
+namespace metronome::collect::orders {
 
 /// Where each number of the run is: open (to be handed out), out (with one actor or, when late,
 /// several), arrived (being judged) or accepted, once. It leaves the book when its batch is learnt
@@ -102,4 +102,4 @@ class NumberBook {
   std::map<std::uint64_t, std::uint64_t> accepted_of_batch_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect::orders

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <map>
 
-namespace metronome {
+namespace metronome::collect::orders {
 
-OrderPlan::OrderPlan(const OrderRules& rules, NumberBook* book, Trust* trust)
+OrderPlan::OrderPlan(const OrderRules& rules, NumberBook* book, collect::trust::Trust* trust)
     : rules_(rules), book_(*book), trust_(*trust), patience_(rules) {}
 
 void OrderPlan::Join(std::uint64_t actor_id, const std::string& host, std::uint32_t slots,
@@ -78,7 +78,7 @@ void OrderPlan::AskOthers(TimePoint now, std::vector<Assignment>& plan) {
         });
     const auto actor_id = LeastLoaded(
         entry, OrdersPerSlot(),
-        [&](const Candidate& actor, const Trust::State&) {
+        [&](const Candidate& actor, const collect::trust::Trust::State&) {
           return !elsewhere || is_elsewhere(actor);
         },
         now);
@@ -92,7 +92,7 @@ void OrderPlan::AskForOpen(TimePoint now, std::vector<Assignment>& plan) {
   const bool any_reliable = std::any_of(actors.begin(), actors.end(), [&](const Candidate& actor) {
     return trust_.StateOf(actor.first, now).reliable();
   });
-  const auto may_be_asked = [&](const Candidate&, const Trust::State& trust) {
+  const auto may_be_asked = [&](const Candidate&, const collect::trust::Trust::State& trust) {
     return !any_reliable || trust.reliable();
   };
   while (!book_.open().empty()) {
@@ -108,7 +108,7 @@ void OrderPlan::AskForOpen(TimePoint now, std::vector<Assignment>& plan) {
 void OrderPlan::AskForLate(TimePoint now, std::vector<Assignment>& plan) {
   if (!book_.open().empty()) return;
   // Anybody's: the slot is idle, and a result that comes twice does no harm.
-  const auto anybody = [](const Candidate&, const Trust::State&) { return true; };
+  const auto anybody = [](const Candidate&, const collect::trust::Trust::State&) { return true; };
   for (const std::uint64_t number : LateEverywhere(now)) {
     const auto actor_id = LeastLoaded(*book_.Find(number), 1, anybody, now);
     if (actor_id) Ask(*actor_id, number, now, plan);
@@ -142,7 +142,7 @@ std::optional<std::uint64_t> OrderPlan::LeastLoaded(const Number& number,
     const auto& holders = number.holders;
     const bool plays_it = std::find(holders.begin(), holders.end(), actor.first) != holders.end();
     if (plays_it || !number.MayBePlayedBy(actor.first, actor.second.host)) return 0;
-    const Trust::State trust = trust_.StateOf(actor.first, now);
+    const collect::trust::Trust::State trust = trust_.StateOf(actor.first, now);
     if (!may_be_asked(actor, trust)) return 0;
     return trust.silent ? 1 : std::size_t{actor.second.slots} * orders_per_slot;
   });
@@ -193,4 +193,4 @@ double OrderPlan::TakeIdleShare(TimePoint now) {
   return idle_.TakeShare();
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect::orders

@@ -15,7 +15,7 @@
 #include "learner/collect/orders/roster.h"
 #include "learner/collect/trust/trust.h"
 
-namespace metronome {
+namespace metronome::collect::orders {
 
 /// Numbers to be sent to one actor, all to be played under one weights version.
 struct Assignment {
@@ -34,7 +34,7 @@ class OrderPlan {
 
   /// @param book   where the numbers are. @param trust  in the actors that join here. Both must
   /// outlive the plan.
-  OrderPlan(const OrderRules& rules, NumberBook* book, Trust* trust);
+  OrderPlan(const OrderRules& rules, NumberBook* book, collect::trust::Trust* trust);
 
   /// The actor is there (again) with so many slots; at least 1.
   void Join(std::uint64_t actor_id, const std::string& host, std::uint32_t slots, TimePoint now);
@@ -59,7 +59,7 @@ class OrderPlan {
  private:
   using Number = NumberBook::Number;
   using Candidate = Roster::Actors::value_type;
-  using MayBeAsked = std::function<bool(const Candidate&, const Trust::State&)>;
+  using MayBeAsked = std::function<bool(const Candidate&, const collect::trust::Trust::State&)>;
 
   void CountIdle(TimePoint now);
   void GiveUpLost(TimePoint now);
@@ -78,11 +78,11 @@ class OrderPlan {
 
   OrderRules rules_;
   NumberBook& book_;
-  Trust& trust_;
+  collect::trust::Trust& trust_;
   Roster roster_;
   Patience patience_;
   IdleTime idle_;
   std::uint64_t reordered_ = 0;
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect::orders

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace metronome {
+namespace metronome::collect::orders {
 
 /// What may be ordered, and when an order counts as late.
 struct OrderRules {
@@ -25,4 +25,4 @@ inline std::uint64_t BehaviourVersion(const OrderRules& rules, std::uint64_t num
   return batch - std::min(batch, rules.overlap);
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect::orders

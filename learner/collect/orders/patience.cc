@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace metronome {
+namespace metronome::collect::orders {
 namespace {
 
 constexpr std::uint32_t kMostDoublings = 6;
@@ -25,4 +25,4 @@ std::chrono::nanoseconds Patience::Scaled(double factor) const {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::max(wanted, least));
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect::orders

@@ -6,7 +6,7 @@
 #include "learner/collect/orders/duration_median.h"
 #include "learner/collect/orders/order_rules.h"
 
-namespace metronome {
+namespace metronome::collect::orders {
 
 /// How long an order may take, by how long the last ones took. Not thread-safe.
 class Patience {
@@ -27,4 +27,4 @@ class Patience {
   DurationMedian durations_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect::orders

@@ -4,7 +4,7 @@
 #include <functional>
 #include <iterator>
 
-namespace metronome {
+namespace metronome::collect::orders {
 namespace {
 
 constexpr std::ptrdiff_t kGivenUpKept = 64;  // of an actor
@@ -107,4 +107,4 @@ std::optional<std::uint64_t> Roster::LeastLoaded(
   return best == nullptr ? std::nullopt : std::optional(best->first);
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect::orders

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace metronome {
+namespace metronome::collect::orders {
 
 /// The actors that are there, their slots and the orders that each has. Pure bookkeeping on given
 /// time points; not thread-safe.
@@ -60,4 +60,4 @@ class Roster {
   std::uint64_t slots_ = 0;  // of them all
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect::orders

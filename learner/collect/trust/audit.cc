@@ -7,7 +7,7 @@
 #include "common/numbers/random.h"
 #include "learner/collect/trust/same_bits.h"
 
-namespace metronome {
+namespace metronome::collect::trust {
 namespace {
 
 using Opinions = std::vector<Audit::Opinion>;
@@ -53,7 +53,8 @@ const Audit::Opinion* Shared(const Opinions& opinions) {
 bool Audit::IsChosen(std::uint64_t number) const {
   if (doubted_.contains(number)) return true;
   return on() &&
-         RandomStream(RandomPurpose::kAudit, rules_.key, number, 0).Uniform() < rules_.share;
+         numbers::RandomStream(numbers::RandomPurpose::kAudit, rules_.key, number, 0).Uniform() <
+             rules_.share;
 }
 
 Audit::Verdict Audit::Hear(Opinion opinion) {
@@ -117,4 +118,4 @@ std::vector<std::uint64_t> Audit::Forget(const std::string& host) {
   return unheard;
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect::trust

@@ -9,7 +9,7 @@
 
 #include "common/messages/episode.h"
 
-namespace metronome {
+namespace metronome::collect::trust {
 
 /// How much is audited.
 struct AuditRules {
@@ -78,4 +78,4 @@ class Audit {
   Counts counts_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect::trust

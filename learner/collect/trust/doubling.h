@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace metronome {
+namespace metronome::collect::trust {
 
 /// What grows with each of `times` repetitions: 0 for none, `first` for one, then twice as much
 /// each time, at most `longest`.
@@ -16,4 +16,4 @@ inline std::chrono::milliseconds Doubling(std::uint32_t times, std::chrono::mill
   return std::min(grown, longest);
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect::trust

@@ -6,7 +6,7 @@
 
 #include "common/process/files.h"
 
-namespace metronome {
+namespace metronome::collect::trust {
 
 std::string ExcludedHostsPathOf(const std::string& run_folder) {
   return run_folder + "/excluded.json";
@@ -14,7 +14,7 @@ std::string ExcludedHostsPathOf(const std::string& run_folder) {
 
 ExcludedHosts LoadExcludedHosts(const std::string& path) {
   if (!std::filesystem::exists(path)) return {};
-  const std::string content = ReadFile(path);
+  const std::string content = process::ReadFile(path);
   try {
     return nlohmann::json::parse(content).get<ExcludedHosts>();
   } catch (const nlohmann::json::exception& error) {
@@ -26,7 +26,7 @@ ExcludedHosts LoadExcludedHosts(const std::string& path) {
 void SaveExcludedHosts(const ExcludedHosts& hosts, const std::string& path) {
   // A host's name is its own word, so it may not be text.
   constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
-  WriteFileAtomically(path, nlohmann::json(hosts).dump(2, ' ', false, kReplace) + "\n");
+  process::WriteFileAtomically(path, nlohmann::json(hosts).dump(2, ' ', false, kReplace) + "\n");
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect::trust

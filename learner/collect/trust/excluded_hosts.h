@@ -6,7 +6,7 @@
 /// Hosts that an audit sent away from a run, kept in FOLDER/excluded.json, so that a learner that
 /// starts again does not let them in. The file is JSON, {"host": "reason", ...}: to let a host in
 /// again, take its entry out and start the learner again.
-namespace metronome {
+namespace metronome::collect::trust {
 
 using ExcludedHosts = std::map<std::string, std::string>;  // host -> reason
 
@@ -19,4 +19,4 @@ ExcludedHosts LoadExcludedHosts(const std::string& path);
 /// Atomically. @throws std::system_error.
 void SaveExcludedHosts(const ExcludedHosts& hosts, const std::string& path);
 
-}  // namespace metronome
+}  // namespace metronome::collect::trust

@@ -4,7 +4,7 @@
 
 #include "learner/collect/trust/doubling.h"
 
-namespace metronome {
+namespace metronome::collect::trust {
 namespace {
 
 constexpr std::chrono::seconds kTogether{1};  // losses of one host within it are one
@@ -41,4 +41,4 @@ std::chrono::milliseconds FlapWatch::Probation(std::uint32_t flaps) const {
   return Doubling(flaps - std::min(flaps, rules_.allowed), rules_.first, rules_.longest);
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect::trust

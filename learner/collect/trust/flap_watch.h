@@ -8,7 +8,7 @@
 
 #include "learner/collect/trust/newest.h"
 
-namespace metronome {
+namespace metronome::collect::trust {
 
 /// When to trust hosts whose actors come and go.
 struct FlapRules {
@@ -56,4 +56,4 @@ class FlapWatch {
   Newest<std::string, Row> rows_;        // of hosts whose last stay was short
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect::trust

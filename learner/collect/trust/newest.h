@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-namespace metronome {
+namespace metronome::collect::trust {
 
 /// The newest `most` entries of a table that others could make grow for ever: with one more, the
 /// one that was put in longest ago is forgotten. Not thread-safe.
@@ -36,4 +36,4 @@ class Newest {
   std::deque<Key> order_;  // oldest first
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect::trust

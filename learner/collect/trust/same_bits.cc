@@ -3,7 +3,7 @@
 #include <cstring>
 #include <vector>
 
-namespace metronome {
+namespace metronome::collect::trust {
 namespace {
 
 template <class T>
@@ -21,4 +21,4 @@ bool SameBits(const Episode& a, const Episode& b) {
          SameBytes(a.head, b.head) && SameBytes(a.flags, b.flags);
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect::trust

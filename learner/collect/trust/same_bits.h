@@ -2,9 +2,9 @@
 
 #include "common/messages/episode.h"
 
-namespace metronome {
+namespace metronome::collect::trust {
 
 /// Equal in every bit (== would let -0 pass for 0).
 bool SameBits(const Episode& a, const Episode& b);
 
-}  // namespace metronome
+}  // namespace metronome::collect::trust

@@ -4,7 +4,7 @@
 
 #include "learner/collect/trust/doubling.h"
 
-namespace metronome {
+namespace metronome::collect::trust {
 
 Trust::Trust(const TrustRules& rules, ExcludedHosts excluded)
     : rules_(rules), flaps_(rules.flaps), refused_(rules.refused), excluded_(std::move(excluded)) {}
@@ -68,4 +68,4 @@ std::optional<Trust::TimePoint> Trust::NextDeadline(TimePoint now) const {
   return next;
 }
 
-}  // namespace metronome
+}  // namespace metronome::collect::trust

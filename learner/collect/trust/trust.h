@@ -10,7 +10,7 @@
 #include "learner/collect/trust/flap_watch.h"
 #include "learner/collect/trust/newest.h"
 
-namespace metronome {
+namespace metronome::collect::trust {
 
 /// When to trust whom.
 struct TrustRules {
@@ -99,4 +99,4 @@ class Trust {
   ExcludedHosts excluded_;
 };
 
-}  // namespace metronome
+}  // namespace metronome::collect::trust

@@ -7,7 +7,7 @@
 #include "actor/metaworld/tasks/environments.h"
 #include "actor/options.h"
 
-namespace metronome {
+namespace metronome::actor {
 namespace {
 
 class ActorOptionsTest : public ::testing::Test {
@@ -43,7 +43,7 @@ class ActorOptionsTest : public ::testing::Test {
     EXPECT_NE(err_.find('"' + value + '"'), std::string::npos) << err_;
   }
 
-  const EnvironmentRegistry registry_{metaworld::Environments()};
+  const environment::EnvironmentRegistry registry_{metaworld::tasks::Environments()};
   std::string err_;
 };
 
@@ -85,14 +85,14 @@ TEST_F(ActorOptionsTest, ALeadingZeroIsNotOctal) {
     command.insert(command.end(), more.begin(), more.end());
     return command;
   };
-  EXPECT_EQ(Take<PlacementsOptions>(with(kPlacements, {"--seed", "010"})).seed, 10U);
-  EXPECT_EQ(Take<EvaluateOptions>(with(kEvaluate, {"--seed", "010"})).seed, 10U);
-  EXPECT_EQ(Take<RenderOptions>(with(kRender, {"--seed", "010"})).seed, 10U);
-  EXPECT_EQ(Take<RenderOptions>(with(kRender, {"--step", "010"})).step, 10);
+  EXPECT_EQ(Take<replay::PlacementsOptions>(with(kPlacements, {"--seed", "010"})).seed, 10U);
+  EXPECT_EQ(Take<play::EvaluateOptions>(with(kEvaluate, {"--seed", "010"})).seed, 10U);
+  EXPECT_EQ(Take<render::RenderOptions>(with(kRender, {"--seed", "010"})).seed, 10U);
+  EXPECT_EQ(Take<render::RenderOptions>(with(kRender, {"--step", "010"})).step, 10);
   EXPECT_EQ(Take<JoinOptions>(with(kRun, {"--domain", "010"})).bus.domain, 10U);
-  EXPECT_EQ(Take<EvaluateOptions>(with(kEvaluate, {"--head-order", "0,010,2"})).head_order,
+  EXPECT_EQ(Take<play::EvaluateOptions>(with(kEvaluate, {"--head-order", "0,010,2"})).head_order,
             (std::vector<std::uint32_t>{0, 10, 2}));
-  EXPECT_EQ(Take<EvaluateOptions>(with(kEvaluate, {"--seed", "18446744073709551615"})).seed,
+  EXPECT_EQ(Take<play::EvaluateOptions>(with(kEvaluate, {"--seed", "18446744073709551615"})).seed,
             18446744073709551615U);
 }
 
@@ -110,4 +110,4 @@ TEST_F(ActorOptionsTest, AFractionIsAFiniteNumberInItsRange) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::actor

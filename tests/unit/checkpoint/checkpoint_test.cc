@@ -25,7 +25,7 @@
 #include "tests/unit/support/environments.h"
 #include "tests/unit/support/temporary_folder.h"
 
-namespace metronome {
+namespace metronome::checkpoint {
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,21 +34,21 @@ namespace fs = std::filesystem;
 Checkpoint SmallCheckpoint(std::uint64_t version = 7) {
   Checkpoint checkpoint;
   test::SetTask(checkpoint.config, "push");
-  SetField(checkpoint.config, "policy.hidden", "2");
-  SetField(checkpoint.config, "policy.heads", "2");
-  checkpoint.config = Resolve(checkpoint.config);
-  const NetworkShape shape = ShapeOf(checkpoint.config);
+  config::SetField(checkpoint.config, "policy.hidden", "2");
+  config::SetField(checkpoint.config, "policy.heads", "2");
+  checkpoint.config = config::Resolve(checkpoint.config);
+  const policy::NetworkShape shape = policy::ShapeOf(checkpoint.config);
   TrainState& state = checkpoint.state;
   state.version = version;
   state.steps = version * 8000;
   state.policy.version = version;
-  state.policy.parameters.resize(ActorLayout(shape).size);
+  state.policy.parameters.resize(policy::ActorLayout(shape).size);
   std::iota(state.policy.parameters.begin(), state.policy.parameters.end(), 0.1F);
   state.policy.parameters[0] = std::numeric_limits<float>::denorm_min();
   state.policy.parameters[1] = -0.0F;
   state.policy.observation_mean.assign(39, 1.0F / 3);
   state.policy.observation_inv_std.assign(39, 1.0e-30F);
-  state.weights = {ParameterCount(shape), "00aa"};
+  state.weights = {policy::ParameterCount(shape), "00aa"};
   state.algorithm = {"any", 9, std::string("\0 opaque \xff", 10)};
   state.canonical_digest = "00ff";
   state.episodes_used = version * 16;
@@ -74,7 +74,7 @@ std::string Framed(const std::string& payload, std::uint32_t format) {
   std::string head = "METRCKPT" + std::string(12, '\0');
   std::memcpy(head.data() + 8, &format, sizeof(format));
   std::memcpy(head.data() + 12, &length, sizeof(length));
-  const Sha256Digest digest = Sha256(head + payload);
+  const process::Sha256Digest digest = process::Sha256(head + payload);
   return head + std::string(digest.begin(), digest.end()) + payload;
 }
 
@@ -90,7 +90,7 @@ StateOfFormat5 OldState(const RunConfig& config) {
   state.set_steps(56000);
   state.set_episodes_used(112);
   state.set_canonical_digest("00ff");
-  for (std::size_t i = 0; i < ParameterCount(ShapeOf(config)); ++i) {
+  for (std::size_t i = 0; i < policy::ParameterCount(policy::ShapeOf(config)); ++i) {
     state.add_parameters(0.5F + float(i));
   }
   for (int i = 0; i < 39; ++i) {
@@ -110,14 +110,16 @@ std::string OldFile(const RunConfig& config, const StateOfFormat5& state, std::u
 }
 
 TEST(Sha256Test, MatchesThePublishedVectors) {
-  EXPECT_EQ(Sha256Hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-  EXPECT_EQ(Sha256Hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(process::Sha256Hex(""),
+            "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(process::Sha256Hex("abc"),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
 TEST(Sha256Test, WeightsAreHashedAsLittleEndianFloat32) {
   const std::string bytes("\x00\x00\x80\x3f\x00\x00\x00\xc0", 8);  // 1, -2
-  EXPECT_EQ(WeightsSha256({1.0F, -2.0F}), Sha256Hex(bytes));
-  EXPECT_NE(WeightsSha256({0.0F}), WeightsSha256({-0.0F}));
+  EXPECT_EQ(process::WeightsSha256({1.0F, -2.0F}), process::Sha256Hex(bytes));
+  EXPECT_NE(process::WeightsSha256({0.0F}), process::WeightsSha256({-0.0F}));
 }
 
 TEST(CheckpointTest, EveryBitComesBack) {
@@ -174,9 +176,9 @@ TEST(CheckpointTest, AFileOfFormat5HoldsThePolicyAndTheStateOfPpo) {
   EXPECT_EQ(state.canonical_digest, "00ff");
   EXPECT_EQ(state.algorithm, (AlgorithmState{"ppo", 1, old.SerializeAsString()}));
   const std::vector<float> all(old.parameters().begin(), old.parameters().end());
-  EXPECT_EQ(state.weights, (WeightsDigest{all.size(), WeightsSha256(all)}));
+  EXPECT_EQ(state.weights, (WeightsDigest{all.size(), process::WeightsSha256(all)}));
   EXPECT_EQ(state.policy.version, 7U);
-  const auto actor = std::ptrdiff_t(ActorLayout(ShapeOf(config)).size);
+  const auto actor = std::ptrdiff_t(policy::ActorLayout(policy::ShapeOf(config)).size);
   EXPECT_EQ(state.policy.parameters, std::vector<float>(all.begin(), all.begin() + actor));
   EXPECT_EQ(state.policy.observation_mean[3], 3);
   EXPECT_FLOAT_EQ(state.policy.observation_inv_std[4], 0.5F);
@@ -200,8 +202,8 @@ void ExpectToGoOnAs(const RunConfig& whole, const RunConfig& old, std::uint32_t 
   EXPECT_EQ(loaded.state,
             DecodeCheckpoint(OldFile(whole, OldState(whole), 5), "x.ckpt", test::Describe).state);
   EXPECT_NO_THROW(RequireShape(loaded, whole, "x.ckpt"));
-  EXPECT_TRUE(CompareForResume(loaded.config, whole, false).empty());
-  EXPECT_EQ(Resolve(loaded.config).SerializeAsString(), whole.SerializeAsString());
+  EXPECT_TRUE(config::CompareForResume(loaded.config, whole, false).empty());
+  EXPECT_EQ(config::Resolve(loaded.config).SerializeAsString(), whole.SerializeAsString());
 }
 
 // Old files are without what their format did not know.
@@ -255,7 +257,8 @@ TEST(CheckpointTest, TheCommittedPoliciesLoadWithTheirWeights) {
   for (const auto& [task, sha256] : weights) {
     const Checkpoint checkpoint = LoadCheckpoint(folder + task + ".ckpt", test::SpecOf);
     EXPECT_EQ(checkpoint.state.weights.sha256, sha256) << task;
-    EXPECT_EQ(SnapshotDefect(checkpoint.state.policy, checkpoint.config), std::nullopt) << task;
+    EXPECT_EQ(policy::SnapshotDefect(checkpoint.state.policy, checkpoint.config), std::nullopt)
+        << task;
   }
 }
 
@@ -284,8 +287,8 @@ TEST(CheckpointTest, AnotherNetworkShapeNamesBoth) {
   const Checkpoint checkpoint = SmallCheckpoint();
   EXPECT_NO_THROW(RequireShape(checkpoint, checkpoint.config, "x.ckpt"));
   RunConfig other = checkpoint.config;
-  SetField(other, "policy.hidden", "2,4");
-  SetField(other, "policy.critic_heads", "shared");
+  config::SetField(other, "policy.hidden", "2,4");
+  config::SetField(other, "policy.critic_heads", "shared");
   try {
     RequireShape(checkpoint, other, "x.ckpt");
     FAIL();
@@ -430,7 +433,7 @@ TEST_F(NewestCheckpointTest, LatestIsObeyedAlsoWhereItNamesAnOlderOne) {
 }
 
 TEST_F(NewestCheckpointTest, ADamagedOneIsPutAsideAndTheOneBeforeItIsTaken) {
-  const std::string whole = ReadFile(Path("000004.ckpt"));
+  const std::string whole = process::ReadFile(Path("000004.ckpt"));
   std::string flipped = whole;
   flipped[whole.size() / 2] ^= 1;
   for (const std::string& content : {std::string(), whole.substr(0, 20), whole.substr(0, 1000),
@@ -441,7 +444,7 @@ TEST_F(NewestCheckpointTest, ADamagedOneIsPutAsideAndTheOneBeforeItIsTaken) {
     EXPECT_EQ(passed_over_, 1U);
     EXPECT_EQ(fs::read_symlink(Path("latest")), "000003.ckpt");
     EXPECT_FALSE(fs::exists(Path("000004.ckpt")));
-    EXPECT_EQ(ReadFile(Path("000004.ckpt.damaged")), content);
+    EXPECT_EQ(process::ReadFile(Path("000004.ckpt.damaged")), content);
     fs::remove(Path("000004.ckpt.damaged"));
   }
 }
@@ -469,8 +472,8 @@ TEST_F(NewestCheckpointTest, NothingThatWasPutAsideIsWrittenOver) {
     EXPECT_EQ(GoOn(), 3U);
     PointLatestAt("000004.ckpt");
   }
-  EXPECT_EQ(ReadFile(Path("000004.ckpt.damaged")), "one");
-  EXPECT_EQ(ReadFile(Path("000004.ckpt.2.damaged")), "two");
+  EXPECT_EQ(process::ReadFile(Path("000004.ckpt.damaged")), "one");
+  EXPECT_EQ(process::ReadFile(Path("000004.ckpt.2.damaged")), "two");
 }
 
 TEST_F(NewestCheckpointTest, PruningCountsGoodOnesAlone) {
@@ -605,11 +608,11 @@ bool SaveFailsOnAFullDisk(CheckpointStore& store, const Checkpoint& checkpoint,
 TEST_F(CheckpointStoreTest, AFullDiskLeavesTheOldCheckpointAndNoRest) {
   CheckpointStore store(folder_, 5);
   store.Save(SmallCheckpoint(1));
-  const std::string before = ReadFile(folder_ + "/latest");
+  const std::string before = process::ReadFile(folder_ + "/latest");
   EXPECT_TRUE(SaveFailsOnAFullDisk(store, SmallCheckpoint(2), "000002.ckpt"));
   EXPECT_TRUE(SaveFailsOnAFullDisk(store, SmallCheckpoint(1), "000001.ckpt"));
   EXPECT_EQ(Names(), (std::vector<std::string>{"000001.ckpt", "latest"}));
-  EXPECT_EQ(ReadFile(folder_ + "/latest"), before);
+  EXPECT_EQ(process::ReadFile(folder_ + "/latest"), before);
 }
 
 TEST_F(CheckpointStoreTest, AFolderThatCannotBeWrittenLeavesTheOldCheckpoint) {
@@ -626,7 +629,7 @@ class FilesTest : public TemporaryFolderTest {
   /// What keeps the path from being written.
   static std::string Refusal(const fs::path& path) {
     try {
-      WriteFileAtomically(path, "new");
+      process::WriteFileAtomically(path, "new");
     } catch (const std::system_error& error) {
       return error.what();
     }
@@ -660,13 +663,13 @@ TEST_F(FilesTest, AProcessThatIsKilledAmidWritingLeavesTheOldContentAndNothingEl
       const rlimit limit{4096, 4096};  // the signal that tells of it ends the process
       setrlimit(RLIMIT_FSIZE, &limit);
       std::signal(SIGXFSZ, SIG_DFL);
-      WriteFileAtomically(file, std::string(8192, 'n'));
+      process::WriteFileAtomically(file, std::string(8192, 'n'));
       _exit(0);
     }
     int status = 0;
     ASSERT_EQ(waitpid(child, &status, 0), child);
     ASSERT_TRUE(WIFSIGNALED(status)) << status;
-    EXPECT_EQ(fs::exists(file) ? ReadFile(file) : "none", there ? "old" : "none");
+    EXPECT_EQ(fs::exists(file) ? process::ReadFile(file) : "none", there ? "old" : "none");
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), there ? 1 : 0);
   }
 }
@@ -674,8 +677,8 @@ TEST_F(FilesTest, AProcessThatIsKilledAmidWritingLeavesTheOldContentAndNothingEl
 TEST_F(FilesTest, AnOldFileIsReplaced) {
   const fs::path file = folder_ / "file";
   for (const char* content : {"first", "second"}) {
-    WriteFileAtomically(file, content);
-    EXPECT_EQ(ReadFile(file), content);
+    process::WriteFileAtomically(file, content);
+    EXPECT_EQ(process::ReadFile(file), content);
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
   }
 }
@@ -685,17 +688,17 @@ TEST_F(FilesTest, AFileIsWrittenThroughItsLink) {
   const fs::path link = folder_ / "link";
   std::ofstream(file) << "old";
   fs::create_symlink("file", link);
-  WriteFileAtomically(link, "new");
+  process::WriteFileAtomically(link, "new");
   EXPECT_TRUE(fs::is_symlink(link));
-  EXPECT_EQ(ReadFile(file), "new");
+  EXPECT_EQ(process::ReadFile(file), "new");
 }
 
 TEST_F(FilesTest, ALinkThatLeadsNowhereIsReplaced) {
   const fs::path link = folder_ / "link";
   fs::create_symlink("nowhere", link);
-  WriteFileAtomically(link, "new");
-  EXPECT_EQ(ReadFile(link), "new");
+  process::WriteFileAtomically(link, "new");
+  EXPECT_EQ(process::ReadFile(link), "new");
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::checkpoint

@@ -14,7 +14,7 @@
 #include "tests/unit/support/environments.h"
 #include "tests/unit/support/fake_actor_bus.h"
 
-namespace metronome::test {
+namespace metronome::client {
 namespace {
 
 constexpr std::uint64_t kActor = 77;
@@ -22,7 +22,7 @@ constexpr std::uint64_t kActor = 77;
 RunConfig SomeConfig() {
   RunConfig config;
   test::SetTask(config, "push");
-  return Resolve(config);
+  return config::Resolve(config);
 }
 
 RunDescription Describe(std::uint64_t incarnation, std::uint64_t learner_id = 1) {
@@ -40,7 +40,7 @@ PolicySnapshot Snapshot(std::uint64_t incarnation, std::uint64_t version) {
   PolicySnapshot snapshot;
   snapshot.incarnation = incarnation;
   snapshot.version = version;
-  snapshot.parameters.assign(ActorLayout(ShapeOf(SomeConfig())).size, 0.5f);
+  snapshot.parameters.assign(policy::ActorLayout(policy::ShapeOf(SomeConfig())).size, 0.5f);
   snapshot.observation_mean.assign(test::kObservationSize, 0);
   snapshot.observation_inv_std.assign(test::kObservationSize, 1);
   return snapshot;
@@ -162,7 +162,7 @@ class ActorClientTest : public testing::Test {
   using Texts = std::vector<std::string>;
 
   Stage stage_;
-  FakeActorBus bus_;
+  test::FakeActorBus bus_;
   ActorClientOptions options_;
   bool set_up_fails_ = false;
   std::unique_ptr<ActorClient> client_;
@@ -536,4 +536,4 @@ TEST(OrderBookTest, SnapshotsThatCameBeforeTheirLearnerWasObeyedCountToo) {
 }
 
 }  // namespace
-}  // namespace metronome::test
+}  // namespace metronome::client

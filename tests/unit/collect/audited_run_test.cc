@@ -8,7 +8,7 @@
 #include "tests/unit/support/fake_run.h"
 
 /// Whole runs that are audited.
-namespace metronome {
+namespace metronome::collect {
 namespace {
 
 using testing::FakeActor;
@@ -41,7 +41,7 @@ TEST(AuditedRunTest, EachEpisodeIsPlayedByTwoActorsAndLearntOnce) {
   FakeRun run;
   run.setup.audit = {1, 1};
   for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   ExpectAllTrue(run);
   const auto actors = ActorsByNumber(run);
   EXPECT_EQ(actors.size(), 12U);
@@ -54,7 +54,7 @@ TEST(AuditedRunTest, AnotherHostIsPreferredToAnotherActor) {
   for (const std::uint64_t id : {1, 2, 3, 4}) {
     run.AddActor(id).status.vouched_host = id == 4 ? "far" : "near";
   }
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   for (const auto& [number, by] : ActorsByNumber(run)) EXPECT_TRUE(by.contains(4)) << number;
 }
 
@@ -65,7 +65,7 @@ TEST(AuditedRunTest, ALoneActorIsBelievedAndARunGoesOnWhenTheOtherSaysNothing) {
     run.AddActor(1);
     if (second)
       run.AddActor(2).answer = [](const EpisodeMessage&) { return std::vector<EpisodeMessage>{}; };
-    EXPECT_EQ(run.Run(), kExitFinished);
+    EXPECT_EQ(run.Run(), process::kExitFinished);
     ExpectAllTrue(run);
     EXPECT_LT(run.bus.now() - Clock::time_point(std::chrono::hours(1)), std::chrono::seconds(40));
   }
@@ -82,7 +82,7 @@ TEST(AuditedRunTest, WhoComesWithinSecondsIsWaitedFor) {
     comes.incarnation = FakeRun::kIncarnation;
     run.bus.After(std::chrono::seconds(4), comes);
   }
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   ExpectAllTrue(run);
 }
 
@@ -93,7 +93,7 @@ TEST(AuditedRunTest, AHostThatLiesIsNamedAndRefusedAndNothingOfItIsLearnt) {
   run.AddActor(12).status.vouched_host = "host2";  // another one of the liar's host
   run.actors.at(2).answer = Lie;
   run.actors.at(12).answer = Lie;
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   ExpectAllTrue(run);
   for (const std::uint64_t liar : {2, 12}) {
     EXPECT_NE(run.actors.at(liar).refused.find("host host2 ("), std::string::npos);
@@ -107,7 +107,9 @@ TEST(AuditedRunTest, WhatAGuiltyHostBroughtBeforeIsTakenBack) {
   run.setup.rules.episodes_per_update = 12;
   run.setup.rules.updates_total = 1;
   std::uint64_t key = 0;
-  const auto chosen = [&](std::uint64_t number) { return Audit({0.1, key}).IsChosen(number); };
+  const auto chosen = [&](std::uint64_t number) {
+    return trust::Audit({0.1, key}).IsChosen(number);
+  };
   const auto count = [&] {
     int all = 0;
     for (std::uint64_t number = 0; number < 12; ++number) all += chosen(number) ? 1 : 0;
@@ -118,7 +120,7 @@ TEST(AuditedRunTest, WhatAGuiltyHostBroughtBeforeIsTakenBack) {
   for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id).answer = Lie;
   for (const std::uint64_t id : {11, 12, 13}) run.AddActor(id).duration = milliseconds(500);
   for (const std::uint64_t id : {1, 2, 3}) run.actors.at(id).status.vouched_host = "liar";
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   ExpectAllTrue(run);
 }
 
@@ -134,7 +136,7 @@ TEST(AuditedRunTest, WhereTwoHostsDifferTheRunWaitsForAThird) {
   ActorStatus comes = third.status;
   comes.incarnation = FakeRun::kIncarnation;
   run.bus.After(std::chrono::seconds(60), comes);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_GT(run.bus.now() - Clock::time_point(std::chrono::hours(1)), std::chrono::seconds(60));
   ExpectAllTrue(run);
   EXPECT_NE(run.actors.at(2).refused, "");
@@ -151,7 +153,7 @@ TEST(AuditedRunTest, WhatComesTwiceAndDiffersIsPlayedAgainByTwoHosts) {
     both.push_back(truth);
     return both;
   };
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   ExpectAllTrue(run);
   EXPECT_EQ(run.record.excluded.size(), 1U);
   EXPECT_TRUE(run.record.excluded.contains("host2"));
@@ -168,7 +170,7 @@ TEST(AuditedRunTest, AMachineWithTwoInventedNamesDoesNotOutvoteAnHonestHost) {
     actor.answer = Lie;
   }
   run.AddActor(4).duration = milliseconds(5000);  // decides, when it comes to it
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   ExpectAllTrue(run);
   EXPECT_EQ(run.record.excluded.size(), 1U);
   EXPECT_TRUE(run.record.excluded.contains("one machine"));
@@ -182,7 +184,7 @@ TEST(AuditedRunTest, AnExcludedMachineDoesNotComeBackUnderAnotherName) {
   liar.status.vouched_host = "one machine";
   liar.answer = Lie;
   run.AddActor(1);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   ExpectAllTrue(run);
   EXPECT_NE(liar.refused.find("computes wrongly"), std::string::npos);
 }
@@ -194,7 +196,7 @@ TEST(AuditedRunTest, AnExclusionThatCouldNotBeWrittenIsWrittenLater) {
   run.record.exclusions_to_fail = 2;
   for (const std::uint64_t id : {1, 2, 3}) run.AddActor(id);
   run.actors.at(2).answer = Lie;
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_EQ(run.record.exclusions_to_fail, 0);
   EXPECT_TRUE(run.record.excluded.contains("host2"));
 }
@@ -204,14 +206,14 @@ TEST(AuditedRunTest, AnExclusionOutlivesTheLearner) {
   first.setup.audit = {1, 1};
   for (const std::uint64_t id : {1, 2, 3}) first.AddActor(id);
   first.actors.at(2).answer = Lie;
-  EXPECT_EQ(first.Run(), kExitFinished);
+  EXPECT_EQ(first.Run(), process::kExitFinished);
   ASSERT_TRUE(first.record.excluded.contains("host2"));
 
   FakeRun second;
   second.setup.excluded = first.record.excluded;
   second.AddActor(1);
   second.AddActor(2).answer = Lie;
-  EXPECT_EQ(second.Run(), kExitFinished);
+  EXPECT_EQ(second.Run(), process::kExitFinished);
   ExpectAllTrue(second);
   EXPECT_NE(second.actors.at(2).refused.find("host host2 ("), std::string::npos);
   EXPECT_TRUE(second.record.excluded.empty()) << "written without need";
@@ -229,7 +231,7 @@ TEST(AuditedRunTest, AHostIsExcludedForGood) {
   ActorStatus comes = back.status;
   comes.incarnation = FakeRun::kIncarnation;
   run.bus.After(std::chrono::seconds(5), comes);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_NE(back.refused, "");
   ExpectAllTrue(run, 40);
 }
@@ -237,7 +239,7 @@ TEST(AuditedRunTest, AHostIsExcludedForGood) {
 /// A key by which `only` is the one of `numbers` that is audited.
 std::uint64_t KeyThatChooses(double share, std::uint64_t only, std::uint64_t numbers) {
   for (std::uint64_t key = 0;; ++key) {
-    const Audit audit({share, key});
+    const trust::Audit audit({share, key});
     bool found = true;
     for (std::uint64_t number = 0; number < numbers && found; ++number) {
       found = audit.IsChosen(number) == (number == only);
@@ -266,7 +268,7 @@ void SendLateWhenRefused(FakeRun& run, std::uint64_t refused, std::uint64_t late
 
 /// Nothing that came late from the refused one's side entered.
 void RunToTheTruthThoughRefused(FakeRun& run, std::uint64_t refused) {
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   ExpectAllTrue(run);
   EXPECT_NE(run.actors.at(refused).refused, "");
   EXPECT_GT(run.bus.statuses.back().rejected, 0U) << "nothing came late: the test tests nothing";
@@ -337,10 +339,10 @@ TEST(AuditedRunTest, AnAnswerInTheMomentInWhichAnotherWouldStandAloneIsHeardOnce
     run.bus.After(std::chrono::seconds(5), truth);
     return std::vector<EpisodeMessage>{};
   };
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   ExpectAllTrue(run, 1);
   EXPECT_EQ(run.bus.statuses.back().accepted, 1U);
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::collect

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metronome {
+namespace metronome::collect {
 namespace {
 
 TEST(EpisodeCountsTest, RejectionsAreCountedByActorAndByKindOfReason) {
@@ -16,4 +16,4 @@ TEST(EpisodeCountsTest, RejectionsAreCountedByActorAndByKindOfReason) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::collect

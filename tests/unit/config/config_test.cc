@@ -11,7 +11,7 @@
 #include "common/text/listen_address.h"
 #include "tests/unit/support/environments.h"
 
-namespace metronome {
+namespace metronome::config {
 namespace {
 
 /// What a ConfigError says; fails the test if there is none.
@@ -556,8 +556,8 @@ TEST(ListenAddressTest, AnIpv6AddressIsNotSupported) {
 }
 
 TEST(ListenAddressTest, TheHostIsThisMachineAloneUnlessGiven) {
-  EXPECT_EQ(ParseListenAddress("9464").Text(), "127.0.0.1:9464");
-  EXPECT_EQ(ParseListenAddress("0.0.0.0:80").Text(), "0.0.0.0:80");
+  EXPECT_EQ(text::ParseListenAddress("9464").Text(), "127.0.0.1:9464");
+  EXPECT_EQ(text::ParseListenAddress("0.0.0.0:80").Text(), "0.0.0.0:80");
 }
 
 TEST(CompareForResumeTest, EverythingOutsideRuntimeForbids) {
@@ -658,4 +658,4 @@ TEST_F(ConfigDraftTest, TypeErrorsNameTheSourceToo) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::config

@@ -31,8 +31,8 @@ class Peer {
     }
   }
 
-  void Is(Discovered::DISCOVERY_STATUS status, PeerHosts& hosts) const {
-    Discovered discovered(proxy_);
+  void Is(workarounds::Discovered::DISCOVERY_STATUS status, PeerHosts& hosts) const {
+    workarounds::Discovered discovered(proxy_);
     discovered.status = status;
     hosts.Note(discovered);
   }
@@ -52,11 +52,11 @@ TEST(PeerHostsTest, AHostIsAllAddressesThatDiscoveryFirstTold) {
   const Peer one(1, {"172.17.0.1", "10.0.0.5"}), same(2, {"10.0.0.5", "172.17.0.1"});
   const Peer other(3, {"10.0.0.6", "172.17.0.1"}), changed(1, {"10.0.0.9"});
   for (const Peer* peer : {&one, &same, &other})
-    peer->Is(Discovered::DISCOVERED_PARTICIPANT, hosts);
+    peer->Is(workarounds::Discovered::DISCOVERED_PARTICIPANT, hosts);
   EXPECT_EQ(hosts.HostOf(one.key()), "10.0.0.5+172.17.0.1");
   EXPECT_EQ(hosts.HostOf(same.key()), hosts.HostOf(one.key()));
   EXPECT_EQ(hosts.HostOf(other.key()), "10.0.0.6+172.17.0.1");
-  changed.Is(Discovered::CHANGED_QOS_PARTICIPANT, hosts);
+  changed.Is(workarounds::Discovered::CHANGED_QOS_PARTICIPANT, hosts);
   EXPECT_EQ(hosts.HostOf(one.key()), "10.0.0.5+172.17.0.1");
   EXPECT_EQ(hosts.HostOf(Peer(4, {}).key()), "unknown address");
 }
@@ -66,8 +66,8 @@ TEST(PeerHostsTest, OfThoseWhoAreGoneOnlyTheLastAreRemembered) {
   const Peer first(0, {"10.0.0.1"});
   for (std::uint32_t id = 0; id < 1100; ++id) {
     const Peer peer(id, {"10.0.0.1"});
-    peer.Is(Discovered::DISCOVERED_PARTICIPANT, hosts);
-    peer.Is(Discovered::REMOVED_PARTICIPANT, hosts);
+    peer.Is(workarounds::Discovered::DISCOVERED_PARTICIPANT, hosts);
+    peer.Is(workarounds::Discovered::REMOVED_PARTICIPANT, hosts);
     if (id > 0) continue;
     EXPECT_EQ(hosts.HostOf(first.key()), "10.0.0.1") << "its last words may come";
   }
@@ -78,7 +78,7 @@ TEST(PeerHostsTest, OfThoseWhoAreGoneOnlyTheLastAreRemembered) {
 TEST(PeerHostsTest, WithSecurityAHostIsWhatTheGuidSaysOfTheCertificate) {
   PeerHosts hosts(true);
   const Peer one(1, {"10.0.0.5"}), same(2, {"10.0.0.6"});
-  one.Is(Discovered::DISCOVERED_PARTICIPANT, hosts);
+  one.Is(workarounds::Discovered::DISCOVERED_PARTICIPANT, hosts);
   EXPECT_EQ(hosts.HostOf(one.key()), "certificate a0a1a2a3a4a5");
   EXPECT_EQ(hosts.HostOf(same.key()), hosts.HostOf(one.key()));
 }

@@ -13,7 +13,7 @@
 #include "learner/record/run_folder.h"
 #include "learner/run/run_start.h"
 
-namespace metronome {
+namespace metronome::learner {
 namespace {
 
 template <class Error>
@@ -27,15 +27,15 @@ struct Case {
 };
 
 std::vector<Case> Cases() {
-  return {{Throw<std::invalid_argument>, kExitUsage},
-          {Throw<ConfigError>, kExitUsage},
-          {Throw<CannotStart>, kExitUsage},
-          {Throw<CheckpointError>, kExitUsage},
-          {Throw<CheckpointUnreadable>, kExitFailure},
-          {Throw<RunFolderBusy>, kExitRival},
-          {Throw<std::runtime_error>, kExitFailure},
+  return {{Throw<std::invalid_argument>, process::kExitUsage},
+          {Throw<config::ConfigError>, process::kExitUsage},
+          {Throw<run::CannotStart>, process::kExitUsage},
+          {Throw<checkpoint::CheckpointError>, process::kExitUsage},
+          {Throw<checkpoint::CheckpointUnreadable>, process::kExitFailure},
+          {Throw<record::RunFolderBusy>, process::kExitRival},
+          {Throw<std::runtime_error>, process::kExitFailure},
           {[]() -> int { throw std::system_error(std::make_error_code(std::errc::io_error)); },
-           kExitFailure}};
+           process::kExitFailure}};
 }
 
 TEST(ExitCodeTest, AStartThatWouldFailAgainIsUsage) {
@@ -45,16 +45,16 @@ TEST(ExitCodeTest, AStartThatWouldFailAgainIsUsage) {
 // Whatever it is, hours may have gone by, and a service has to start it again.
 TEST(ExitCodeTest, ARunThatWasServedIsNeverUsage) {
   for (const Case& one : Cases()) {
-    EXPECT_EQ(CodeOfStart([&] { return CodeOfServing(one.act); }), kExitFailure);
+    EXPECT_EQ(CodeOfStart([&] { return CodeOfServing(one.act); }), process::kExitFailure);
   }
 }
 
 TEST(ExitCodeTest, WithoutAnExceptionItIsTheCallsOwn) {
-  for (const int code :
-       {kExitFinished + 0, kExitRival + 0, kExitNonFinite + 0, kExitSignalBase + 2}) {
+  for (const int code : {process::kExitFinished + 0, process::kExitRival + 0,
+                         process::kExitNonFinite + 0, process::kExitSignalBase + 2}) {
     EXPECT_EQ(CodeOfStart([&] { return CodeOfServing([&] { return code; }); }), code);
   }
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::learner

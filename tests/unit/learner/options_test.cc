@@ -19,7 +19,7 @@
 #include "tests/unit/support/environments.h"
 #include "tests/unit/support/temporary_folder.h"
 
-namespace metronome {
+namespace metronome::learner {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,7 +63,8 @@ class OptionsTest : public TemporaryFolderTest {
 
   void MakeRun(const RunConfig& config) {
     fs::create_directories(fs::path(runs_) / "demo");
-    std::ofstream(ConfigPathOf((fs::path(runs_) / "demo").string())) << PrintConfig(config);
+    std::ofstream(record::ConfigPathOf((fs::path(runs_) / "demo").string()))
+        << config::PrintConfig(config);
   }
 
   void SetTask(const std::string& task) { task_ = task; }
@@ -78,12 +79,12 @@ TEST_F(OptionsTest, DefaultsAreThoseOfTheConfiguration) {
   EXPECT_EQ(options.run, "demo");
   EXPECT_EQ(options.folder, (fs::path(runs_) / "demo").string());
   EXPECT_FALSE(options.resume);
-  EXPECT_EQ(options.progress, ProgressStyle::kLines);
+  EXPECT_EQ(options.progress, record::ProgressStyle::kLines);
   EXPECT_EQ(options.log.level, "info");
   EXPECT_EQ(options.log.format, "text");
   RunConfig expected;
   test::SetTask(expected, "push");
-  EXPECT_EQ(options.config.SerializeAsString(), Resolve(expected).SerializeAsString());
+  EXPECT_EQ(options.config.SerializeAsString(), config::Resolve(expected).SerializeAsString());
 }
 
 TEST_F(OptionsTest, EveryOptionReachesItsField) {
@@ -275,23 +276,23 @@ class CheckpointOptionsTest : public OptionsTest {
   }
 
   void Save(const RunConfig& config) {
-    Checkpoint checkpoint;
+    checkpoint::Checkpoint checkpoint;
     checkpoint.config = config;
     checkpoint.state.version = 12;
-    const NetworkShape shape = ShapeOf(config);
+    const policy::NetworkShape shape = policy::ShapeOf(config);
     PolicySnapshot& policy = checkpoint.state.policy;
-    policy.parameters.assign(ActorLayout(shape).size, 0.25F);
+    policy.parameters.assign(policy::ActorLayout(shape).size, 0.25F);
     policy.observation_mean.assign(39, 0.0F);
     policy.observation_inv_std.assign(39, 1.0F);
     checkpoint.state.algorithm = {"ppo", 1, ""};
-    CheckpointStore(Folder() + "/checkpoints", 5).Save(checkpoint);
+    checkpoint::CheckpointStore(Folder() + "/checkpoints", 5).Save(checkpoint);
   }
 
   [[nodiscard]] std::string Folder() const { return runs_ + "/demo"; }
   [[nodiscard]] std::string File() const { return Folder() + "/checkpoints/000012.ckpt"; }
 
   void WriteConfig(const std::string& text) const {
-    std::ofstream(ConfigPathOf(Folder()), std::ios::trunc | std::ios::binary) << text;
+    std::ofstream(record::ConfigPathOf(Folder()), std::ios::trunc | std::ios::binary) << text;
   }
 
   RunOptions Resume() {
@@ -314,20 +315,20 @@ class CheckpointOptionsTest : public OptionsTest {
 };
 
 TEST_F(CheckpointOptionsTest, AConfigurationThatIsLostOrTornIsTheCheckpoints) {
-  const std::string whole = PrintConfig(config_);
+  const std::string whole = config::PrintConfig(config_);
   EXPECT_TRUE(Resume().warnings.empty());
   for (std::size_t size = 0; size < whole.size(); size += 7) {
     WriteConfig(whole.substr(0, size));
     const RunOptions options = Resume();
-    EXPECT_EQ(PrintConfig(options.config), whole) << size;
+    EXPECT_EQ(config::PrintConfig(options.config), whole) << size;
     ASSERT_EQ(options.warnings.size(), 1U);
     EXPECT_NE(options.warnings[0].find("is not whole: it is made anew from " + Folder()),
               std::string::npos);
   }
   WriteConfig(std::string(whole.size(), '\0'));
   EXPECT_EQ(Resume().config.total_steps(), 4000U);
-  fs::remove(ConfigPathOf(Folder()));
-  EXPECT_EQ(PrintConfig(Resume().config), whole);
+  fs::remove(record::ConfigPathOf(Folder()));
+  EXPECT_EQ(config::PrintConfig(Resume().config), whole);
 }
 
 TEST_F(CheckpointOptionsTest, AConfigurationThatIsLostBesideDamagedCheckpointsIsRefused) {
@@ -338,12 +339,12 @@ TEST_F(CheckpointOptionsTest, AConfigurationThatIsLostBesideDamagedCheckpointsIs
   fs::remove(Folder() + "/checkpoints/latest");
   ExpectUsageError(ParseRun({"--resume"}),
                    "is not whole, and the run has no checkpoint: begin anew");
-  fs::remove(ConfigPathOf(Folder()));
+  fs::remove(record::ConfigPathOf(Folder()));
   ExpectUsageError(ParseRun({"--resume"}), "is missing, and the run has no checkpoint: begin anew");
 }
 
 TEST_F(CheckpointOptionsTest, AWholeConfigurationThatCannotBeReadIsNamedWithTheWayOut) {
-  WriteConfig("polisy { heads: 3 }\n" + PrintConfig(config_));
+  WriteConfig("polisy { heads: 3 }\n" + config::PrintConfig(config_));
   ExpectUsageError(ParseRun({"--resume"}), "config.textproto:1:1: unknown setting");
   EXPECT_NE(err_.find("without the file, --resume takes"), std::string::npos) << err_;
 }
@@ -354,7 +355,7 @@ TEST_F(CheckpointOptionsTest, ANewRunMayBeginWithTheWeightsOfAnother) {
   const auto options = std::get<RunOptions>(std::get<LearnerCommand>(parsed));
   EXPECT_EQ(options.config.policy().initial_weights(), File());
   const auto differences =
-      DifferencesFrom(LoadInitialWeights(options.config, test::Describe), options.config);
+      run::DifferencesFrom(run::LoadInitialWeights(options.config, test::Describe), options.config);
   const std::string text = ::testing::PrintToString(differences.intended);
   for (const std::string line :
        {"environment.task: trained with push, this run has assembly",
@@ -370,7 +371,8 @@ TEST_F(CheckpointOptionsTest, AnotherMeaningOfTheHeadsIsDoubtful) {
   RunConfig config = config_;
   config.mutable_policy()->set_initial_weights(File());
   config.mutable_policy()->set_schedule(SCHEDULE_INTERLEAVED);
-  const auto differences = DifferencesFrom(LoadInitialWeights(config, test::Describe), config);
+  const auto differences =
+      run::DifferencesFrom(run::LoadInitialWeights(config, test::Describe), config);
   EXPECT_EQ(differences.doubtful,
             (std::vector<std::string>{"policy.schedule: trained with blocks, this run has "
                                       "interleaved"}));
@@ -422,18 +424,18 @@ TEST_F(OptionsTest, ConfigPrintsWhatRunWouldUse) {
   EXPECT_EQ(options.config.ppo().clip(), 0.1);
 }
 
-Checkpoint TwoHeads() {
-  Checkpoint checkpoint;
+checkpoint::Checkpoint TwoHeads() {
+  checkpoint::Checkpoint checkpoint;
   test::SetTask(checkpoint.config, "push");
-  SetField(checkpoint.config, "policy.hidden", "2");
-  SetField(checkpoint.config, "policy.heads", "2");
-  checkpoint.config = Resolve(checkpoint.config);
-  const NetworkShape shape = ShapeOf(checkpoint.config);
-  checkpoint.state.policy.parameters.assign(ActorLayout(shape).size, 0.25F);
-  checkpoint.state.weights = {ParameterCount(shape), "00ff"};
+  config::SetField(checkpoint.config, "policy.hidden", "2");
+  config::SetField(checkpoint.config, "policy.heads", "2");
+  checkpoint.config = config::Resolve(checkpoint.config);
+  const policy::NetworkShape shape = policy::ShapeOf(checkpoint.config);
+  checkpoint.state.policy.parameters.assign(policy::ActorLayout(shape).size, 0.25F);
+  checkpoint.state.weights = {policy::ParameterCount(shape), "00ff"};
   checkpoint.state.algorithm = {"ppo", 1, "opaque"};
   // Head 0 keeps log-std 0, head 1 gets ln 2: means of exp are 1 and 2.
-  const std::size_t log_std = ActorLayout(shape).log_std;
+  const std::size_t log_std = policy::ActorLayout(shape).log_std;
   for (std::size_t i = 0; i < 8; ++i) {
     checkpoint.state.policy.parameters[log_std + i] = i < 4 ? 0.0F : std::log(2.0F);
   }
@@ -444,9 +446,9 @@ Checkpoint TwoHeads() {
 }
 
 TEST(InspectTest, JsonHasTheStableKeys) {
-  const Checkpoint checkpoint = TwoHeads();
+  const checkpoint::Checkpoint checkpoint = TwoHeads();
   std::ostringstream out;
-  PrintCheckpointJson(checkpoint, out);
+  record::PrintCheckpointJson(checkpoint, out);
   const auto json = nlohmann::json::parse(out.str());
   EXPECT_EQ(json.at("version"), 12);
   EXPECT_EQ(json.at("steps"), 96000);
@@ -469,11 +471,11 @@ TEST(InspectTest, JsonHasTheStableKeys) {
 }
 
 TEST(InspectTest, ASharedCriticHasTheParametersOfOneHead) {
-  Checkpoint checkpoint = TwoHeads();
-  SetField(checkpoint.config, "policy.critic_heads", "shared");
-  checkpoint.state.weights.count = ParameterCount(ShapeOf(checkpoint.config));
+  checkpoint::Checkpoint checkpoint = TwoHeads();
+  config::SetField(checkpoint.config, "policy.critic_heads", "shared");
+  checkpoint.state.weights.count = policy::ParameterCount(policy::ShapeOf(checkpoint.config));
   std::ostringstream out;
-  PrintCheckpointJson(checkpoint, out);
+  record::PrintCheckpointJson(checkpoint, out);
   const auto json = nlohmann::json::parse(out.str());
   EXPECT_EQ(json.at("critic_heads"), "shared");
   EXPECT_EQ(json.at("critic_parameters"), 80 + 3);
@@ -483,7 +485,7 @@ TEST(InspectTest, ASharedCriticHasTheParametersOfOneHead) {
 
 TEST(InspectTest, TextNamesTheSame) {
   std::ostringstream out;
-  PrintCheckpoint(TwoHeads(), out);
+  record::PrintCheckpoint(TwoHeads(), out);
   EXPECT_NE(out.str().find("version           12\n"), std::string::npos) << out.str();
   EXPECT_NE(out.str().find("task              push\n"), std::string::npos);
   EXPECT_NE(out.str().find("critic_parameters 86\n"), std::string::npos);
@@ -491,13 +493,13 @@ TEST(InspectTest, TextNamesTheSame) {
 }
 
 TEST(InspectTest, WeightsThatARunBeganWithAreNamedWhateverTheirPathIs) {
-  Checkpoint checkpoint = TwoHeads();
+  checkpoint::Checkpoint checkpoint = TwoHeads();
   checkpoint.config.mutable_policy()->set_initial_weights("/runs/\xff.ckpt");
   checkpoint.initial_weights_sha256 = "00ff";
   std::ostringstream json, text;
-  PrintCheckpointJson(checkpoint, json);
+  record::PrintCheckpointJson(checkpoint, json);
   EXPECT_EQ(nlohmann::json::parse(json.str()).at("initial_weights_sha256"), "00ff");
-  PrintCheckpoint(checkpoint, text);
+  record::PrintCheckpoint(checkpoint, text);
   EXPECT_NE(text.str().find("\ninitial_weights_sha256 00ff\n"), std::string::npos) << text.str();
 }
 
@@ -513,4 +515,4 @@ TEST_F(OptionsTest, StatusShowsARunOfAnyName) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::learner

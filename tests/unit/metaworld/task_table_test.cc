@@ -4,13 +4,13 @@
 
 #include "actor/metaworld/tasks/environments.h"
 
-namespace metronome {
+namespace metronome::metaworld {
 namespace {
 
 TEST(EnvironmentsTest, AreTheTableByAllNamesOfATask) {
-  const EnvironmentRegistry registry(metaworld::Environments());
-  ASSERT_EQ(registry.entries().size(), metaworld::AllTasks().size());
-  for (const auto& task : metaworld::AllTasks()) {
+  const environment::EnvironmentRegistry registry(metaworld::tasks::Environments());
+  ASSERT_EQ(registry.entries().size(), metaworld::tasks::AllTasks().size());
+  for (const auto& task : metaworld::tasks::AllTasks()) {
     for (const std::string& name :
          {"metaworld/" + task.name, task.name, task.name + "-v2", task.name + "-v3"}) {
       const EnvironmentSpec spec = registry.Describe(name);
@@ -21,7 +21,7 @@ TEST(EnvironmentsTest, AreTheTableByAllNamesOfATask) {
 }
 
 TEST(EnvironmentsTest, OtherNamesAreRefusedWithTheNearMissAndTheList) {
-  const EnvironmentRegistry registry(metaworld::Environments());
+  const environment::EnvironmentRegistry registry(metaworld::tasks::Environments());
   for (const std::string name : {"push-v1", "push-v", "Push", "", "-v3", "push-v2-v3"}) {
     EXPECT_THROW(static_cast<void>(registry.Find(name)), std::invalid_argument) << name;
   }
@@ -38,13 +38,13 @@ TEST(EnvironmentsTest, OtherNamesAreRefusedWithTheNearMissAndTheList) {
 }
 
 TEST(RegistryTest, TwoEnvironmentsOfOneNameAreAMistake) {
-  auto twice = metaworld::Environments();
+  auto twice = metaworld::tasks::Environments();
   twice.push_back(twice.front());
-  EXPECT_THROW(EnvironmentRegistry(std::move(twice)), std::logic_error);
+  EXPECT_THROW(environment::EnvironmentRegistry(std::move(twice)), std::logic_error);
 }
 
 TEST(RegistryTest, AnotherEnvironmentOfThatNameIsNotTheRuns) {
-  const EnvironmentRegistry registry(metaworld::Environments());
+  const environment::EnvironmentRegistry registry(metaworld::tasks::Environments());
   EnvironmentConfig config;
   config.set_task("push");
   *config.mutable_spec() = registry.Describe("push");
@@ -53,4 +53,4 @@ TEST(RegistryTest, AnotherEnvironmentOfThatNameIsNotTheRuns) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::metaworld

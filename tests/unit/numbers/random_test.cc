@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace metronome {
+namespace metronome::numbers {
 namespace {
 
 TEST(RandomStreamTest, IsAPureFunctionOfItsKeyAndCounter) {
@@ -83,4 +83,4 @@ TEST(PermutationTest, HoldsEveryIndexOnceAndDependsOnTheStream) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::numbers

@@ -26,21 +26,21 @@
 #include "common/process/build_info.h"
 #include "tests/unit/support/environments.h"
 
-namespace metronome {
+namespace metronome::play {
 namespace {
 
-const EnvironmentRegistry& Registry() {
-  static const EnvironmentRegistry registry(metaworld::Environments());
+const environment::EnvironmentRegistry& Registry() {
+  static const environment::EnvironmentRegistry registry(metaworld::tasks::Environments());
   return registry;
 }
 
-metaworld::RandVec PlacementAt(const RunConfig& config, EpisodeStart start) {
-  return metaworld::StartPlacement(metaworld::FindTask(config.environment().task()),
+metaworld::RandVec PlacementAt(const RunConfig& config, environment::EpisodeStart start) {
+  return metaworld::StartPlacement(metaworld::tasks::FindTask(config.environment().task()),
                                    config.environment().placements(), start);
 }
 
 metaworld::RandVec TrainingPlacement(const RunConfig& config, std::uint64_t number) {
-  return PlacementAt(config, TrainingStart(config, number));
+  return PlacementAt(config, environment::TrainingStart(config, number));
 }
 
 metaworld::RandVec EvaluationPlacement(const EvaluateOptions& options, const RunConfig& config,
@@ -100,14 +100,14 @@ TEST(TrainingPlacementTest, FixedIsOneForTheRunAndRandomOneForEachEpisode) {
   EXPECT_NE(TrainingPlacement(config, 0), of_seed_one);
 }
 
-Checkpoint TrainedOn(Placements placements, std::uint64_t seed) {
-  Checkpoint checkpoint;
+checkpoint::Checkpoint TrainedOn(Placements placements, std::uint64_t seed) {
+  checkpoint::Checkpoint checkpoint;
   checkpoint.config.set_seed(seed);
   test::SetTask(checkpoint.config, "push");
   checkpoint.config.mutable_environment()->set_placements(placements);
-  checkpoint.config = Resolve(checkpoint.config);
-  checkpoint.engine = EngineName();
-  checkpoint.build = BuildIdentity();
+  checkpoint.config = config::Resolve(checkpoint.config);
+  checkpoint.engine = process::EngineName();
+  checkpoint.build = process::BuildIdentity();
   return checkpoint;
 }
 
@@ -118,13 +118,14 @@ EvaluateOptions With(const std::string& placements, std::uint64_t seed) {
   return options;
 }
 
-std::vector<std::string> Differences(const Checkpoint& checkpoint, const EvaluateOptions& options) {
+std::vector<std::string> Differences(const checkpoint::Checkpoint& checkpoint,
+                                     const EvaluateOptions& options) {
   return DifferencesFromTraining(checkpoint, options,
                                  ConfigToEvaluate(checkpoint, options, Registry()));
 }
 
 TEST(EvaluationPlacementTest, FixedIsTheRunsOwnWhateverTheEvaluationsSeed) {
-  const Checkpoint checkpoint = TrainedOn(PLACEMENTS_FIXED, 7);
+  const checkpoint::Checkpoint checkpoint = TrainedOn(PLACEMENTS_FIXED, 7);
   const auto own = TrainingPlacement(checkpoint.config, 12);
   for (const std::uint64_t seed : {1U, 8U}) {
     EvaluateOptions options = With("fixed", seed);
@@ -140,7 +141,7 @@ TEST(EvaluationPlacementTest, FixedIsTheRunsOwnWhateverTheEvaluationsSeed) {
 }
 
 TEST(DifferentEpisodesTest, FixedPlacementsMakeOneUnlessHeadsAreShuffled) {
-  Checkpoint checkpoint = TrainedOn(PLACEMENTS_FIXED, 7);
+  checkpoint::Checkpoint checkpoint = TrainedOn(PLACEMENTS_FIXED, 7);
   EvaluateOptions options = With("fixed", 1);
   EXPECT_EQ(
       DifferentEpisodes(options, ConfigToEvaluate(checkpoint, options, Registry()), Registry()), 1);
@@ -185,7 +186,7 @@ TEST(DifferencesFromTrainingTest, AreNamedWithTheOptionsThatPlayAsInTraining) {
 }
 
 TEST(DifferencesFromTrainingTest, AreAllNamed) {
-  Checkpoint checkpoint = TrainedOn(PLACEMENTS_FIXED, 7);
+  checkpoint::Checkpoint checkpoint = TrainedOn(PLACEMENTS_FIXED, 7);
   checkpoint.engine = "mujoco-1";
   checkpoint.build = "metronome 0.0.9, gcc 1, -O1, glibc 1";
   EvaluateOptions options = With("random", 1);
@@ -207,7 +208,7 @@ TEST(DifferencesFromTrainingTest, AreAllNamed) {
 }
 
 TEST(DifferencesFromTrainingTest, ABuildThatDidNotNameAllItsPartsIsNoOther) {
-  Checkpoint checkpoint = TrainedOn(PLACEMENTS_RANDOM, 7);
+  checkpoint::Checkpoint checkpoint = TrainedOn(PLACEMENTS_RANDOM, 7);
   const std::size_t part = checkpoint.build.find(", eigen");
   checkpoint.build.erase(part, checkpoint.build.find(", glibc") - part);
   EXPECT_TRUE(Differences(checkpoint, With("random", 1)).empty());
@@ -215,15 +216,16 @@ TEST(DifferencesFromTrainingTest, ABuildThatDidNotNameAllItsPartsIsNoOther) {
 
 /// Succeeds at the steps (counted from 1) that it is told to, pays a reward of 1 a step, and ends
 /// after `length` steps.
-class ScriptedEnvironment : public Environment {
+class ScriptedEnvironment : public environment::Environment {
  public:
   explicit ScriptedEnvironment(std::set<int> successes, int length = 1000, bool terminates = false)
       : successes_(std::move(successes)), length_(length), terminates_(terminates) {}
-  void Reset(EpisodeStart& /*start*/, std::span<float> observation) override {
+  void Reset(environment::EpisodeStart& /*start*/, std::span<float> observation) override {
     step_ = 0;
     std::fill(observation.begin(), observation.end(), 0.0F);
   }
-  StepOutcome Step(std::span<const float> /*action*/, std::span<float> /*observation*/) override {
+  environment::StepOutcome Step(std::span<const float> /*action*/,
+                                std::span<float> /*observation*/) override {
     ++step_;
     const bool ends = step_ == length_;
     return {.reward = 1,
@@ -239,15 +241,15 @@ class ScriptedEnvironment : public Environment {
   int step_ = 0;
 };
 
-const EpisodeStart kStart({RandomPurpose::kEvaluate, 1, 0});
+const environment::EpisodeStart kStart({numbers::RandomPurpose::kEvaluate, 1, 0});
 
 EvaluatedEpisode PlayWithSuccessesAt(std::set<int> steps, int length = 1000) {
   RunConfig given;
   test::SetTask(given, "push");
   given.mutable_environment()->set_horizon(20);
-  const RunConfig config = Resolve(given);
+  const RunConfig config = config::Resolve(given);
   PolicySnapshot snapshot;
-  snapshot.parameters.resize(ActorLayout(ShapeOf(config)).size);
+  snapshot.parameters.resize(policy::ActorLayout(policy::ShapeOf(config)).size);
   snapshot.observation_mean.resize(test::kObservationSize);
   snapshot.observation_inv_std.resize(test::kObservationSize);
   ScriptedEnvironment environment(std::move(steps), length);
@@ -278,13 +280,14 @@ TEST(PlayDeterministicTest, AnEpisodeThatTheEnvironmentEndsIsShorter) {
 }
 
 /// Remembers the actions; the observation after t steps is t everywhere.
-class RecordingEnvironment final : public Environment {
+class RecordingEnvironment final : public environment::Environment {
  public:
-  void Reset(EpisodeStart& /*start*/, std::span<float> observation) override {
+  void Reset(environment::EpisodeStart& /*start*/, std::span<float> observation) override {
     actions.clear();
     std::fill(observation.begin(), observation.end(), 0.0F);
   }
-  StepOutcome Step(std::span<const float> action, std::span<float> observation) override {
+  environment::StepOutcome Step(std::span<const float> action,
+                                std::span<float> observation) override {
     actions.emplace_back(action.begin(), action.end());
     std::fill(observation.begin(), observation.end(), float(actions.size()));
     return {};
@@ -302,7 +305,7 @@ struct HeadsAsActions {
     config.mutable_policy()->set_heads(5);
     config.mutable_policy()->add_hidden(4);
     config.mutable_policy()->set_schedule(schedule);
-    const MlpLayout layout = ActorLayout(ShapeOf(config));
+    const policy::MlpLayout layout = policy::ActorLayout(policy::ShapeOf(config));
     snapshot.parameters.assign(layout.size, 0.0F);
     for (std::size_t i = 0; i < 20; ++i) {
       const std::size_t head = i / 4;
@@ -333,7 +336,8 @@ TEST(PlayDeterministicTest, HeadsFollowTheScheduleAndTheEvaluationsOwnOrders) {
     options.seed = 9;
     PlayDeterministic(policy.config, policy.snapshot, EvaluationSchedule(options, policy.config, 2),
                       kStart, environment);
-    const auto order = Permutation(5, {RandomPurpose::kHeadOrder, 9, 2, 2 /* kEvaluate */});
+    const auto order =
+        numbers::Permutation(5, {numbers::RandomPurpose::kHeadOrder, 9, 2, 2 /* kEvaluate */});
     const std::vector<std::int32_t> heads = HeadsOf(environment);
     ASSERT_EQ(heads.size(), 40U);
     for (std::int32_t t = 0; t < 40; ++t) {
@@ -369,7 +373,7 @@ TEST(PlayEpisodeTest, TagsAndActionsAreThoseOfTheSchedulesHeads) {
     const HeadsAsActions policy(schedule);
     const auto episode = PlayEpisode(policy.config, policy.snapshot, 17, environment, cancel);
     ASSERT_TRUE(episode);
-    const HeadSchedule heads(policy.config, {RandomPurpose::kTrain, 3, 17});
+    const policy::HeadSchedule heads(policy.config, {numbers::RandomPurpose::kTrain, 3, 17});
     for (std::int32_t t = 0; t < 40; ++t) {
       EXPECT_EQ(episode->head[t], heads.HeadAt(t));
       EXPECT_EQ(HeadsOf(environment)[t], heads.HeadAt(t));
@@ -418,4 +422,4 @@ TEST(RunEvaluateTest, NamesWhatIsWrongWithItsOptions) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::play

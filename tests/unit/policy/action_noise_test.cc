@@ -8,7 +8,7 @@
 #include "common/numbers/random.h"
 #include "tests/unit/support/environments.h"
 
-namespace metronome {
+namespace metronome::policy {
 namespace {
 
 RunConfig ConfigWith(double correlation, std::uint64_t seed = 5) {
@@ -37,7 +37,7 @@ double MeanProduct(const std::vector<double>& sequence, int lag) {
 TEST(ActionNoiseTest, WhiteNoiseIsTheStreamOfTheStepItself) {
   ActionNoise noise(ConfigWith(0), 9);
   for (const int t : {0, 17, 4}) {
-    RandomStream stream(RandomPurpose::kTrain, 5, 9, std::uint64_t(t));
+    numbers::RandomStream stream(numbers::RandomPurpose::kTrain, 5, 9, std::uint64_t(t));
     const ActionNoise::Numbers numbers = noise.At(t);
     for (int i = 0; i < test::kActionSize; ++i) {
       EXPECT_EQ(numbers[i], static_cast<float>(stream.Normal()));
@@ -50,7 +50,7 @@ TEST(ActionNoiseTest, FollowsTheRecursionOfIndependentNumbers) {
   ActionNoise noise(ConfigWith(rho), 9);
   std::array<double, test::kActionSize> want{};
   for (int t = 0; t < 30; ++t) {
-    RandomStream stream(RandomPurpose::kTrain, 5, 9, std::uint64_t(t));
+    numbers::RandomStream stream(numbers::RandomPurpose::kTrain, 5, 9, std::uint64_t(t));
     const ActionNoise::Numbers numbers = noise.At(t);
     for (int i = 0; i < test::kActionSize; ++i) {
       const double fresh = stream.Normal();
@@ -90,4 +90,4 @@ TEST(ActionNoiseTest, EpisodesAndSeedsHaveTheirOwn) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::policy

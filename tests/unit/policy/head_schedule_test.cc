@@ -12,7 +12,7 @@
 
 #include "tests/unit/support/environments.h"
 
-namespace metronome {
+namespace metronome::policy {
 namespace {
 
 using Heads = std::vector<std::int32_t>;
@@ -44,8 +44,8 @@ Heads OrderOf(const HeadSchedule& schedule) {
   return order;
 }
 
-Heads Order(std::uint64_t seed, std::uint64_t number, RandomPurpose purpose = RandomPurpose::kTrain,
-            int heads = 10) {
+Heads Order(std::uint64_t seed, std::uint64_t number,
+            numbers::RandomPurpose purpose = numbers::RandomPurpose::kTrain, int heads = 10) {
   return OrderOf({Config(SCHEDULE_SHUFFLED, heads, 500, seed), {purpose, seed, number}});
 }
 
@@ -153,13 +153,13 @@ TEST(ShuffledTest, TheOrdersAreFrozen) {
   EXPECT_EQ(Order(1, 0), (Heads{9, 1, 8, 2, 6, 7, 0, 5, 3, 4}));
   EXPECT_EQ(Order(1, 1), (Heads{5, 4, 3, 0, 6, 2, 1, 8, 9, 7}));
   EXPECT_EQ(Order(7, 12345678901234), (Heads{2, 7, 1, 0, 9, 6, 4, 3, 5, 8}));
-  EXPECT_EQ(Order(1, 0, RandomPurpose::kTrain, 5), (Heads{2, 3, 0, 1, 4}));
-  EXPECT_EQ(Order(1, 0, RandomPurpose::kEvaluate), (Heads{9, 7, 6, 5, 2, 4, 1, 3, 8, 0}));
+  EXPECT_EQ(Order(1, 0, numbers::RandomPurpose::kTrain, 5), (Heads{2, 3, 0, 1, 4}));
+  EXPECT_EQ(Order(1, 0, numbers::RandomPurpose::kEvaluate), (Heads{9, 7, 6, 5, 2, 4, 1, 3, 8, 0}));
 }
 
 TEST(ShuffledTest, NumberSeedAndPurposeOfTheEpisodeChangeTheOrderAndNothingElseDoes) {
   std::set<Heads> orders;
-  for (const auto purpose : {RandomPurpose::kTrain, RandomPurpose::kEvaluate}) {
+  for (const auto purpose : {numbers::RandomPurpose::kTrain, numbers::RandomPurpose::kEvaluate}) {
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
       for (std::uint64_t number = 0; number < 50; ++number) {
         orders.insert(Order(seed, number, purpose));
@@ -214,4 +214,4 @@ TEST(GivenOrderTest, IsRefusedWhereItDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::policy

@@ -18,7 +18,7 @@
 #include "tests/unit/support/environments.h"
 #include "tests/unit/support/synthetic_run.h"
 
-namespace metronome {
+namespace metronome::policy {
 namespace {
 
 using testing::SmallConfig;
@@ -39,8 +39,8 @@ std::vector<double> MeanByDefinition(const RunConfig& config, const PolicySnapsh
 }
 
 PolicySnapshot RandomSnapshot(const RunConfig& config) {
-  PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
-  RandomStream random(RandomPurpose::kEvaluate, 1, 2, 3);
+  PolicySnapshot snapshot = ppo::SnapshotOf(ppo::Trainer::InitialState(config), config);
+  numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 1, 2, 3);
   for (float& parameter : snapshot.parameters) parameter += 0.2F * float(random.Normal());
   for (float& mean : snapshot.observation_mean) mean = float(random.Normal());
   for (float& inv_std : snapshot.observation_inv_std) inv_std = float(0.5 + random.Uniform());
@@ -53,8 +53,8 @@ int HeadByDefinition(const RunConfig& config, int t) {
   if (config.policy().schedule() == SCHEDULE_INTERLEAVED) return t % heads;
   const int block = t * heads / 40;
   if (config.policy().schedule() == SCHEDULE_BLOCKS) return block;
-  return int(
-      Permutation(std::uint32_t(heads), {RandomPurpose::kHeadOrder, 5, 6, 1 /* kTrain */})[block]);
+  return int(numbers::Permutation(
+      std::uint32_t(heads), {numbers::RandomPurpose::kHeadOrder, 5, 6, 1 /* kTrain */})[block]);
 }
 
 HeadSchedule ScheduleOfSix(const RunConfig& config) { return {config, TrainingEpisode(config, 6)}; }
@@ -73,7 +73,7 @@ TEST_P(PolicyTest, MeanAgreesWithTheNetworksDefinitionAtEveryStep) {
   const HeadSchedule schedule = ScheduleOfSix(config);
   const PolicySnapshot snapshot = RandomSnapshot(config);
   Policy policy(config, snapshot);
-  RandomStream random(RandomPurpose::kEvaluate, 4, 5, 6);
+  numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 4, 5, 6);
   for (int t = 0; t < config.environment().horizon(); ++t) {
     std::vector<float> observation(test::kObservationSize);
     for (float& value : observation) value = float(3 * random.Normal());
@@ -88,7 +88,7 @@ TEST_P(PolicyTest, SeveralStepsTogetherGiveTheBitsOfEachAlone) {
   const RunConfig config = Config();
   const HeadSchedule schedule = ScheduleOfSix(config);
   Policy policy(config, RandomSnapshot(config));
-  RandomStream random(RandomPurpose::kEvaluate, 4, 5, 7);
+  numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 4, 5, 7);
   std::vector<float> observations(Policy::kStates * test::kObservationSize);
   for (int t = 0; t + Policy::kStates <= config.environment().horizon(); ++t) {
     for (float& value : observations) value = float(3 * random.Normal());
@@ -219,15 +219,15 @@ TEST(PolicyTest, RefusesAScheduleOfAnotherNumberOfHeads) {
 // An input that was constant in training may move later: what it is multiplied by is bounded.
 TEST(SnapshotTest, AddsTheConfiguredEpsilonToTheVariance) {
   RunConfig config = SmallConfig();
-  PpoState state = Trainer::InitialState(config);
+  ppo::PpoState state = ppo::Trainer::InitialState(config);
   state.observation = {std::vector<double>(39, 0), std::vector<double>(39, 0), 100};
   state.observation.m2[1] = 300;
-  EXPECT_EQ(SnapshotOf(state, config).observation_inv_std[0], 1e4F) << "as ever, by default";
+  EXPECT_EQ(ppo::SnapshotOf(state, config).observation_inv_std[0], 1e4F) << "as ever, by default";
   config.mutable_policy()->set_observation_epsilon(1e-4);
-  const PolicySnapshot snapshot = SnapshotOf(state, config);
+  const PolicySnapshot snapshot = ppo::SnapshotOf(state, config);
   EXPECT_FLOAT_EQ(snapshot.observation_inv_std[0], 100);
   EXPECT_FLOAT_EQ(snapshot.observation_inv_std[1], float(1 / std::sqrt(3 + 1e-4)));
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::policy

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 // Algorithm 1 of arXiv:1412.6980 in double, written from the paper.
@@ -56,4 +56,4 @@ TEST(AdamTest, CuttingTheVectorChangesNoBit) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::ppo

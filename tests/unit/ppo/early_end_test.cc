@@ -11,7 +11,7 @@
 #include "tests/unit/support/environments.h"
 #include "tests/unit/support/synthetic_run.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 using testing::SmallConfig;
@@ -37,8 +37,8 @@ RunConfig EarlyConfig() {
 class EarlyEndCheckTest : public ::testing::Test {
  protected:
   [[nodiscard]] std::string Verdict(const Episode& episode) const {
-    Policy policy(config_, snapshot_);
-    return CheckEpisode(episode, policy, config_, 99).value_or("accepted");
+    policy::Policy policy(config_, snapshot_);
+    return algorithm::CheckEpisode(episode, policy, config_, 99).value_or("accepted");
   }
 
   RunConfig config_ = EarlyConfig();
@@ -99,12 +99,13 @@ class HandMadeBatchTest : public ::testing::Test {
     config_.mutable_policy()->add_hidden(1);
     config_.mutable_ppo()->set_discount(0.5);
     config_.mutable_ppo()->set_gae_lambda(0.5);
-    const NetworkShape shape = ShapeOf(config_);
-    parameters_.assign(ParameterCount(shape), 0.0F);
-    float* bias = parameters_.data() + ActorLayout(shape).size + CriticLayout(shape).head.bias;
+    const policy::NetworkShape shape = policy::ShapeOf(config_);
+    parameters_.assign(policy::ParameterCount(shape), 0.0F);
+    float* bias = parameters_.data() + policy::ActorLayout(shape).size +
+                  policy::CriticLayout(shape).head.bias;
     bias[0] = 1;
     bias[1] = 2;
-    behaviour_.parameters.assign(ActorLayout(shape).size, 0.0F);
+    behaviour_.parameters.assign(policy::ActorLayout(shape).size, 0.0F);
     behaviour_.observation_mean.assign(2, 0.0F);
     behaviour_.observation_inv_std.assign(2, 1.0F);
   }
@@ -201,4 +202,4 @@ TEST(EarlyEndTrainerTest, AMinibatchLargerThanTheBatchIsTheBatch) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::ppo

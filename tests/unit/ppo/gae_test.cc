@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 // Oracle: the definition, sum over l of (gamma lambda)^l delta_{t+l}, in O(T^2) and without the
@@ -53,4 +53,4 @@ TEST(GaeTest, RefusesUnequalLengths) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::ppo

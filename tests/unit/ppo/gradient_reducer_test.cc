@@ -13,7 +13,7 @@
 #include "learner/ppo/trainer.h"
 #include "tests/unit/support/synthetic_run.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 TEST(ShardGroupsTest, AreSingleShardsUpToTheMostAndWholeShardsInOrderBeyond) {
@@ -39,7 +39,7 @@ TEST(GradientReducerTest, SumsTheGroupsInTheirOrderOnAnyNumberOfThreads) {
   for (const int threads : {1, 2, 5}) {
     WorkerTeam team(threads);
     GradientReducer reducer(9, kParameters, team);  // two are left out
-    RandomStream random(RandomPurpose::kEvaluate, 1, 2, 3);
+    numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 1, 2, 3);
     for (std::size_t g = 0; g < 9; ++g) {
       for (std::size_t i = 0; i < kParameters; ++i) reducer.Of(g)[i] = float(random.Normal());
     }
@@ -84,8 +84,9 @@ class GroupedMinibatchTest : public ::testing::TestWithParam<std::size_t> {
     std::vector<std::uint32_t> ordered = samples_;
     std::stable_sort(ordered.begin(), ordered.end(),
                      [&](auto a, auto b) { return batch_.head[a] < batch_.head[b]; });
-    Mlp critic(CriticLayout(ShapeOf(config_)));
-    const float* block = initial_.parameters.data() + ActorLayout(ShapeOf(config_)).size;
+    Mlp critic(policy::CriticLayout(policy::ShapeOf(config_)));
+    const float* block =
+        initial_.parameters.data() + policy::ActorLayout(policy::ShapeOf(config_)).size;
     std::vector<float> gradient(critic.layout().size, 0.0F);
     const float weight = float(config_.ppo().value_coefficient()) * (1.0F / float(samples_.size()));
     for (std::size_t first = begin * 128; first < std::min(end * 128, ordered.size());
@@ -137,4 +138,4 @@ INSTANTIATE_TEST_SUITE_P(Samples, GroupedMinibatchTest,
                          ::testing::Values(100, 300, 8192, 8193, 25000));
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -13,7 +13,7 @@
 #include "tests/unit/support/double_network.h"
 #include "tests/unit/support/synthetic_run.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 using testing::Forward;
@@ -25,8 +25,8 @@ using testing::SyntheticBatch;
 double Loss(const RunConfig& config, const TrainingBatch& batch,
             const std::vector<std::uint32_t>& samples, const std::vector<double>& parameters,
             double entropy_coefficient) {
-  const MlpLayout actor = ActorLayout(ShapeOf(config));
-  const MlpLayout critic = CriticLayout(ShapeOf(config));
+  const policy::MlpLayout actor = policy::ActorLayout(policy::ShapeOf(config));
+  const policy::MlpLayout critic = policy::CriticLayout(policy::ShapeOf(config));
   const std::vector<double> of_actor(parameters.begin(), parameters.begin() + actor.size);
   const std::vector<double> of_critic(parameters.begin() + actor.size, parameters.end());
   double mean = 0;
@@ -75,7 +75,7 @@ Prepared Prepare(const RunConfig& config, WorkerTeam& team) {
   Prepared prepared{BuildBatch({config, episodes, snapshot, initial.parameters.data(), 0.7F}, team),
                     {initial.parameters, initial.adam_m, initial.adam_v, 0},
                     std::vector<std::uint32_t>(150)};
-  RandomStream random(RandomPurpose::kEvaluate, 8, 8, 8);
+  numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 8, 8, 8);
   for (float& parameter : prepared.state.parameters) parameter += 0.02F * float(random.Normal());
   for (float& value : prepared.batch.behaviour_log_prob) value += 0.1F * float(random.Normal());
   std::iota(prepared.samples.begin(), prepared.samples.end(), 100U);
@@ -168,9 +168,9 @@ TEST(MinibatchStepTest, ANonFiniteSampleIsNamedAndLeavesTheStateAlone) {
   const std::vector<float> before = prepared.state.parameters;
   MinibatchStep step(config, team);
   EXPECT_THROW(step.Run(prepared.batch, prepared.samples, {1e-3, 0}, prepared.state),
-               NonFiniteUpdate);
+               algorithm::NonFiniteUpdate);
   EXPECT_EQ(prepared.state.parameters, before);
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <tuple>
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 using Four = std::array<double, 4>;
@@ -97,4 +97,4 @@ TEST(PpoLossTest, SaysWhetherTheRatioLeftTheClipRange) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::ppo

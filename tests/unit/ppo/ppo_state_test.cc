@@ -12,7 +12,7 @@
 #include "learner/ppo/trainer.h"
 #include "tests/unit/support/synthetic_run.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 using testing::SmallConfig;
@@ -31,16 +31,16 @@ PpoState SomeState(const RunConfig& config) {
   state.adam_steps = 560;
   state.observation = {std::vector<double>(39, 1.0 / 3), std::vector<double>(39, 1e300), 56000};
   state.reward_return = {{-0.1}, {std::numeric_limits<double>::denorm_min()}, 3};
-  state.previous_actor.assign(ActorLayout(ShapeOf(config)).size, 0.7F);
+  state.previous_actor.assign(policy::ActorLayout(policy::ShapeOf(config)).size, 0.7F);
   state.previous_observation = {std::vector<double>(39, 2.0 / 3), std::vector<double>(39, 1),
                                 48000};
   return state;
 }
 
-std::string Refusal(const TrainState& state, const RunConfig& config) {
+std::string Refusal(const checkpoint::TrainState& state, const RunConfig& config) {
   try {
     static_cast<void>(DecodePpoState(state, config));
-  } catch (const UnusableState& error) {
+  } catch (const algorithm::UnusableState& error) {
     return error.what();
   }
   return "none";
@@ -49,11 +49,11 @@ std::string Refusal(const TrainState& state, const RunConfig& config) {
 TEST(PpoStateTest, EveryBitComesBack) {
   const RunConfig config = SmallConfig();
   for (const PpoState& state : {SomeState(config), Trainer::InitialState(config)}) {
-    const TrainState encoded = EncodePpoState(state, config);
+    const checkpoint::TrainState encoded = EncodePpoState(state, config);
     EXPECT_EQ(DecodePpoState(encoded, config), state);
     EXPECT_EQ(encoded.policy, SnapshotOf(state, config));
     EXPECT_EQ(encoded.weights.count, state.parameters.size());
-    EXPECT_EQ(encoded.weights.sha256, WeightsSha256(state.parameters));
+    EXPECT_EQ(encoded.weights.sha256, process::WeightsSha256(state.parameters));
     EXPECT_EQ(encoded.version, state.version);
     EXPECT_EQ(EncodePpoState(DecodePpoState(encoded, config), config), encoded);
   }
@@ -72,14 +72,14 @@ TEST(PpoStateTest, WhatDoesNotFitTheConfigurationIsRefusedByName) {
   EXPECT_NE(Refusal(EncodePpoState(SomeState(config), config), SmallConfig(MULTIHEAD, 4))
                 .find("another shape: the network has"),
             std::string::npos);
-  TrainState torn = EncodePpoState(SomeState(config), config);
+  checkpoint::TrainState torn = EncodePpoState(SomeState(config), config);
   torn.algorithm.bytes.pop_back();
   EXPECT_EQ(Refusal(torn, config), "its state of ppo is not one");
 }
 
 TEST(PpoStateTest, AnotherFormatOrAlgorithmIsRefusedByName) {
   const RunConfig config = SmallConfig();
-  TrainState state = EncodePpoState(SomeState(config), config);
+  checkpoint::TrainState state = EncodePpoState(SomeState(config), config);
   state.algorithm.format = 2;
   EXPECT_EQ(Refusal(state, config),
             "its state of ppo has format 2, this build reads formats 1 to 1; use a build that "
@@ -93,10 +93,10 @@ TEST(PpoAlgorithmTest, GoesOnFromItsOwnStateAsTheTrainerDoes) {
   const RunConfig config = SmallConfig(MULTIHEAD, 3, 1);
   const auto factory = MakePpoFactory();
   Trainer trainer(config, Trainer::InitialState(config), 1);
-  TrainState state = factory->InitialState(config, nullptr);
+  checkpoint::TrainState state = factory->InitialState(config, nullptr);
   for (std::uint64_t version = 0; version < 3; ++version) {
     const auto algorithm = factory->Make(config, state, {2, 99});
-    EXPECT_EQ(algorithm->counters(), static_cast<const RunCounters&>(trainer.state()));
+    EXPECT_EQ(algorithm->counters(), static_cast<const checkpoint::RunCounters&>(trainer.state()));
     EXPECT_EQ(algorithm->Snapshot(), SnapshotOf(trainer.state(), config));
     if (version > 0) {
       EXPECT_EQ(algorithm->PreviousSnapshot(), PreviousSnapshotOf(trainer.state(), config));
@@ -106,10 +106,10 @@ TEST(PpoAlgorithmTest, GoesOnFromItsOwnStateAsTheTrainerDoes) {
     const auto batch = SyntheticBatch(config, behaviour, version);
     EXPECT_EQ(algorithm->Check(batch[2], behaviour), std::nullopt);
     const PpoReport want = trainer.Update(batch);
-    const UpdateReport report = algorithm->Update(batch);
+    const algorithm::UpdateReport report = algorithm->Update(batch);
     EXPECT_EQ(report.steps, want.steps);
     EXPECT_EQ(report.mean_return, want.mean_return);
-    const std::vector<Metric> columns = algorithm->Metrics();
+    const std::vector<algorithm::Metric> columns = algorithm->Metrics();
     ASSERT_EQ(report.metrics.size(), columns.size());
     for (std::size_t i = 0; i < columns.size(); ++i) {
       EXPECT_EQ(report.metrics[i].column, columns[i].column);
@@ -123,7 +123,7 @@ TEST(PpoAlgorithmTest, GoesOnFromItsOwnStateAsTheTrainerDoes) {
 TEST(PpoReportTest, ColumnsAreThoseThatOthersReadByNameAndOneAHead) {
   const PpoReport report = EmptyPpoReport(2);
   std::vector<std::string> columns;
-  for (const Metric& metric : PpoMetrics(report)) columns.push_back(metric.column);
+  for (const algorithm::Metric& metric : PpoMetrics(report)) columns.push_back(metric.column);
   EXPECT_EQ(columns, (std::vector<std::string>{
                          "policy_loss", "value_loss", "entropy", "kl", "clip_share",
                          "explained_variance", "gradient_norm", "learning_rate", "reward_scale",
@@ -135,4 +135,4 @@ TEST(PpoReportTest, ColumnsAreThoseThatOthersReadByNameAndOneAHead) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::ppo

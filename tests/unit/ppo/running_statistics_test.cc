@@ -6,12 +6,12 @@
 #include <stdexcept>
 #include <vector>
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 TEST(RunningStatisticsTest, MergingInPartsEqualsTheMomentsOfTheWhole) {
   const std::vector<float> values = {1, 10, 4, 20, -2, 35, 8, 5, 7, -100};  // five rows of two
-  RunningStatistics statistics;
+  policy::RunningStatistics statistics;
   Merge(statistics, values.data(), 2, 2, 2);
   Merge(statistics, values.data() + 4, 3, 2, 2);
   EXPECT_EQ(statistics.count, 5);
@@ -24,20 +24,20 @@ TEST(RunningStatisticsTest, MergingInPartsEqualsTheMomentsOfTheWhole) {
 
 TEST(RunningStatisticsTest, TheStrideSkipsWhatLiesBetween) {
   const std::vector<float> values = {1, 99, 3, 99};
-  RunningStatistics statistics;
+  policy::RunningStatistics statistics;
   Merge(statistics, values.data(), 2, 1, 2);
   EXPECT_EQ(statistics.mean[0], 2);
 }
 
 TEST(RunningStatisticsTest, AConstantDimensionHasNoSpreadAtAll) {
   const std::vector<float> values(1000, 0.1F);
-  RunningStatistics statistics;
+  policy::RunningStatistics statistics;
   for (int i = 0; i < 5; ++i) Merge(statistics, values.data(), values.size(), 1, 1);
   EXPECT_LT(StandardDeviation(statistics, 0), 1e-12);
 }
 
 TEST(RunningStatisticsTest, EmptyStatisticsHaveUnitSpreadAndRefuseAnotherDimension) {
-  RunningStatistics statistics;
+  policy::RunningStatistics statistics;
   EXPECT_EQ(StandardDeviation(statistics, 0), 1);
   const std::vector<float> values(6, 1.0F);
   Merge(statistics, values.data(), 3, 2, 2);
@@ -45,4 +45,4 @@ TEST(RunningStatisticsTest, EmptyStatisticsHaveUnitSpreadAndRefuseAnotherDimensi
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::ppo

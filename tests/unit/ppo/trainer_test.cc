@@ -16,7 +16,7 @@
 #include "learner/algorithm/episode_check.h"
 #include "tests/unit/support/synthetic_run.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 constexpr std::uint64_t kCheckKey = 99;
@@ -215,7 +215,7 @@ TEST(TrainerTest, ANonFiniteEpisodeStopsTheUpdateAndKeepsTheState) {
   const PpoState before = trainer.state();
   auto batch = SyntheticBatch(config, SnapshotOf(before, config), 0);
   batch[4].reward[7] = std::numeric_limits<float>::infinity();
-  EXPECT_THROW(trainer.Update(batch), NonFiniteUpdate);
+  EXPECT_THROW(trainer.Update(batch), algorithm::NonFiniteUpdate);
   EXPECT_EQ(trainer.state(), before);
 }
 
@@ -223,12 +223,13 @@ TEST(TrainerTest, AnUpdateWhoseStdNoActorCanDrawWithIsRefused) {
   const RunConfig config = SmallConfig();
   PpoState state = Trainer::InitialState(config);
   const auto batch = SyntheticBatch(config, SnapshotOf(state, config), 0);
-  state.parameters[ActorLayout(ShapeOf(config)).log_std] = 80;  // finite, and so is its exp
+  state.parameters[policy::ActorLayout(policy::ShapeOf(config)).log_std] =
+      80;  // finite, and so is its exp
   Trainer trainer(config, state, 1);
   try {
     trainer.Update(batch);
     ADD_FAILURE() << "no actor can act with these weights";
-  } catch (const NonFiniteUpdate& error) {
+  } catch (const algorithm::NonFiniteUpdate& error) {
     EXPECT_NE(std::string(error.what()).find("a log-std is 80"), std::string::npos) << error.what();
   }
   EXPECT_EQ(trainer.state(), state);
@@ -242,7 +243,8 @@ TEST(TrainerTest, RefusesAStateOfAnotherShape) {
 TEST(InitialStateTest, WeightsAreOrthogonalWithTheirGain) {
   const RunConfig config = SmallConfig();
   const PpoState state = Trainer::InitialState(config);
-  const LayerSlice slice = ActorLayout(ShapeOf(config)).hidden[0];  // 13 rows of 39
+  const policy::LayerSlice slice =
+      policy::ActorLayout(policy::ShapeOf(config)).hidden[0];  // 13 rows of 39
   for (int a = 0; a < slice.outputs; ++a) {
     for (int b = 0; b < slice.outputs; ++b) {
       double dot = 0;
@@ -272,14 +274,14 @@ TEST(EpisodeCheckTest, AcceptsTheActorsEpisodeAndNamesWhatIsWrongWithOthers) {
   const RunConfig config = SmallConfig();
   const PpoState state = Trainer::InitialState(config);
   const PolicySnapshot snapshot = SnapshotOf(state, config);
-  Policy policy(config, snapshot);
+  policy::Policy policy(config, snapshot);
   const Episode good = testing::SyntheticEpisode(config, snapshot, 6);
-  EXPECT_EQ(CheckEpisode(good, policy, config, kCheckKey), std::nullopt);
+  EXPECT_EQ(algorithm::CheckEpisode(good, policy, config, kCheckKey), std::nullopt);
 
   const auto reason_of = [&](auto spoil) {
     Episode bad = good;
     spoil(bad);
-    return CheckEpisode(bad, policy, config, kCheckKey).value_or("accepted");
+    return algorithm::CheckEpisode(bad, policy, config, kCheckKey).value_or("accepted");
   };
   const auto expect_reason = [&](const std::string& reason, const std::string& part) {
     EXPECT_NE(reason.find(part), std::string::npos) << reason;
@@ -322,16 +324,18 @@ TEST(EpisodeCheckTest, RefusesTheHeadsOfAnotherSchedule) {
       config.mutable_policy()->set_schedule(played);
       Episode episode = testing::SyntheticEpisode(config, snapshot, 6);
       config.mutable_policy()->set_schedule(asked);
-      Policy policy(config, snapshot);
-      const auto reason = CheckEpisode(episode, policy, config, kCheckKey).value_or("accepted");
+      policy::Policy policy(config, snapshot);
+      const auto reason =
+          algorithm::CheckEpisode(episode, policy, config, kCheckKey).value_or("accepted");
       if (played == asked) {
         EXPECT_EQ(reason, "accepted");
         continue;
       }
       EXPECT_NE(reason.find("the schedule gives"), std::string::npos) << reason;
-      const HeadSchedule schedule(config, TrainingEpisode(config, 6));
+      const policy::HeadSchedule schedule(config, policy::TrainingEpisode(config, 6));
       for (int t = 0; t < 40; ++t) episode.head[t] = std::uint16_t(schedule.HeadAt(t));
-      const auto disguised = CheckEpisode(episode, policy, config, kCheckKey).value_or("accepted");
+      const auto disguised =
+          algorithm::CheckEpisode(episode, policy, config, kCheckKey).value_or("accepted");
       EXPECT_NE(disguised.find("log-probability"), std::string::npos) << disguised;
     }
   }
@@ -341,32 +345,35 @@ TEST(EpisodeCheckTest, RefusesTheHeadOrderOfAnotherEpisodeOrSeed) {
   RunConfig config = SmallConfig();
   config.mutable_policy()->set_schedule(SCHEDULE_SHUFFLED);
   const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
-  Policy policy(config, snapshot);
+  policy::Policy policy(config, snapshot);
   // One policy judges episodes of any order, in turn.
   int refused = 0;
   for (std::uint64_t number = 0; number < 20; ++number) {
     Episode episode = testing::SyntheticEpisode(config, snapshot, number);
-    EXPECT_EQ(CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
+    EXPECT_EQ(algorithm::CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
     ++episode.number;
-    const auto reason = CheckEpisode(episode, policy, config, kCheckKey).value_or("accepted");
+    const auto reason =
+        algorithm::CheckEpisode(episode, policy, config, kCheckKey).value_or("accepted");
     EXPECT_NE(reason, "accepted");
     refused += reason.find("the schedule gives") != std::string::npos ? 1 : 0;
   }
   EXPECT_GE(refused, 12) << "of 20 neighbours, a sixth has the same order of three heads";
   Episode episode = testing::SyntheticEpisode(config, snapshot, 0);
   config.set_seed(8);
-  EXPECT_NE(CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
+  EXPECT_NE(algorithm::CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
 }
 
 TEST(EpisodeCheckTest, TheLastStepsOfAHorizonThatIsNoMultipleOfFourAreCheckedToo) {
   RunConfig config = SmallConfig();
   config.mutable_environment()->set_horizon(43);
   const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
-  Policy policy(config, snapshot);
+  policy::Policy policy(config, snapshot);
   Episode episode = testing::SyntheticEpisode(config, snapshot, 6);
-  EXPECT_EQ(CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
+  EXPECT_EQ(algorithm::CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
   episode.log_prob[42] = std::nextafter(episode.log_prob[42], 9.0F);
-  EXPECT_NE(CheckEpisode(episode, policy, config, kCheckKey).value_or("accepted").find("step 42"),
+  EXPECT_NE(algorithm::CheckEpisode(episode, policy, config, kCheckKey)
+                .value_or("accepted")
+                .find("step 42"),
             std::string::npos);
 }
 
@@ -374,15 +381,15 @@ TEST(EpisodeCheckTest, ASampleFindsAWrongStepInItAndNoOther) {
   RunConfig config = SmallConfig();
   config.mutable_collection()->set_check_share(0.3);
   const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
-  Policy policy(config, snapshot);
+  policy::Policy policy(config, snapshot);
   const Episode good = testing::SyntheticEpisode(config, snapshot, 6);
   int found = 0;
   for (std::size_t t = 0; t < good.log_prob.size(); ++t) {
     Episode bad = good;
     bad.log_prob[t] += 1;
-    found += CheckEpisode(bad, policy, config, kCheckKey).has_value() ? 1 : 0;
+    found += algorithm::CheckEpisode(bad, policy, config, kCheckKey).has_value() ? 1 : 0;
   }
-  EXPECT_EQ(CheckEpisode(good, policy, config, kCheckKey), std::nullopt);
+  EXPECT_EQ(algorithm::CheckEpisode(good, policy, config, kCheckKey), std::nullopt);
   EXPECT_GE(found, 5);
   EXPECT_LE(found, 20);
 }
@@ -393,7 +400,7 @@ TEST(EpisodeCheckTest, TheKeyDecidesWhatIsSampledAndTheRunSeedDoesNot) {
   RunConfig config = SmallConfig();
   config.mutable_collection()->set_check_share(0.3);
   const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
-  Policy policy(config, snapshot);
+  policy::Policy policy(config, snapshot);
   const Episode good = testing::SyntheticEpisode(config, snapshot, 6);
   std::set<std::vector<bool>> samples;
   for (std::uint64_t key = 0; key < 5; ++key) {
@@ -401,7 +408,7 @@ TEST(EpisodeCheckTest, TheKeyDecidesWhatIsSampledAndTheRunSeedDoesNot) {
     for (std::size_t t = 0; t < good.log_prob.size(); ++t) {
       Episode bad = good;
       bad.log_prob[t] += 1;
-      sample.push_back(CheckEpisode(bad, policy, config, key).has_value());
+      sample.push_back(algorithm::CheckEpisode(bad, policy, config, key).has_value());
     }
     samples.insert(sample);
   }
@@ -411,14 +418,14 @@ TEST(EpisodeCheckTest, TheKeyDecidesWhatIsSampledAndTheRunSeedDoesNot) {
 TEST(EpisodeCheckTest, AToleranceLetsSmallDifferencesPassAndNoLargeOnes) {
   RunConfig config = SmallConfig();
   const PolicySnapshot snapshot = SnapshotOf(Trainer::InitialState(config), config);
-  Policy policy(config, snapshot);
+  policy::Policy policy(config, snapshot);
   Episode episode = testing::SyntheticEpisode(config, snapshot, 6);
   episode.log_prob[9] += 1e-5F;
   config.mutable_collection()->set_check_tolerance(1e-4);
-  EXPECT_EQ(CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
+  EXPECT_EQ(algorithm::CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
   episode.log_prob[9] += 1e-2F;
-  EXPECT_NE(CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
+  EXPECT_NE(algorithm::CheckEpisode(episode, policy, config, kCheckKey), std::nullopt);
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::ppo

@@ -11,7 +11,7 @@
 #include "tests/unit/support/environments.h"
 #include "tests/unit/support/synthetic_run.h"
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 using testing::Forward;
@@ -31,7 +31,7 @@ class TrainingBatchTest : public ::testing::TestWithParam<std::tuple<Schedule, C
     state_ = Trainer::InitialState(config_);
     behaviour_ = SnapshotOf(state_, config_);
     episodes_ = SyntheticBatch(config_, behaviour_, 1);  // numbers 10..19
-    RandomStream random(RandomPurpose::kEvaluate, 8, 8, 8);
+    numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 8, 8, 8);
     for (float& parameter : state_.parameters) parameter += 0.1F * float(random.Normal());
     WorkerTeam team(1);
     batch_ = BuildBatch({config_, episodes_, behaviour_, state_.parameters.data(), kScale}, team);
@@ -42,7 +42,8 @@ class TrainingBatchTest : public ::testing::TestWithParam<std::tuple<Schedule, C
     const int block = t * 3 / kHorizon;
     if (std::get<0>(GetParam()) == SCHEDULE_BLOCKS) return block;
     if (std::get<0>(GetParam()) == SCHEDULE_INTERLEAVED) return t % 3;
-    return int(Permutation(3, {RandomPurpose::kHeadOrder, 5, 10 + episode, 1})[std::size_t(block)]);
+    return int(numbers::Permutation(
+        3, {numbers::RandomPurpose::kHeadOrder, 5, 10 + episode, 1})[std::size_t(block)]);
   }
 
   /// Input of the networks: version 0 has no statistics, observations are far from the clip.
@@ -54,11 +55,11 @@ class TrainingBatchTest : public ::testing::TestWithParam<std::tuple<Schedule, C
   }
 
   [[nodiscard]] double ValueOf(std::size_t episode, int t, int head) const {
-    const std::size_t actor = ActorLayout(ShapeOf(config_)).size;
+    const std::size_t actor = policy::ActorLayout(policy::ShapeOf(config_)).size;
     const std::vector<float> critic(state_.parameters.begin() + std::ptrdiff_t(actor),
                                     state_.parameters.end());
     const bool shared = std::get<1>(GetParam()) == CRITIC_HEADS_SHARED;
-    return Forward(critic, CriticLayout(ShapeOf(config_)), InputAt(episode, t),
+    return Forward(critic, policy::CriticLayout(policy::ShapeOf(config_)), InputAt(episode, t),
                    shared ? 0 : head)[0];
   }
 
@@ -85,7 +86,7 @@ TEST_P(TrainingBatchTest, EachStateIsValuedByItsHeadAndTheFinalOneByTheLastSteps
 }
 
 TEST_P(TrainingBatchTest, TheProximalPolicyIsTheSameHeads) {
-  const MlpLayout actor = ActorLayout(ShapeOf(config_));
+  const policy::MlpLayout actor = policy::ActorLayout(policy::ShapeOf(config_));
   for (std::size_t episode = 0; episode < 10; ++episode) {
     for (int t = 0; t < kHorizon; ++t) {
       const std::size_t sample = episode * kHorizon + std::size_t(t);
@@ -115,4 +116,4 @@ INSTANTIATE_TEST_SUITE_P(
                        ::testing::Values(0, 1)));
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::ppo

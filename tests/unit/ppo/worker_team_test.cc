@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace metronome {
+namespace metronome::ppo {
 namespace {
 
 class WorkerTeamTest : public ::testing::TestWithParam<int> {};
@@ -43,4 +43,4 @@ TEST(WorkerTeamSizeTest, NoThreadsAreRefused) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::ppo

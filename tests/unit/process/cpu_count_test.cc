@@ -9,7 +9,7 @@
 
 #include "tests/unit/support/temporary_folder.h"
 
-namespace metronome {
+namespace metronome::process {
 namespace {
 
 namespace fs = std::filesystem;
@@ -85,4 +85,4 @@ TEST_F(CpuCountTest, MoreThreadsThanCpusAreWarnedOfByName) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::process

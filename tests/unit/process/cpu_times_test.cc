@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace metronome {
+namespace metronome::process {
 namespace {
 
 /// Keeps the calling thread busy for so much of its own CPU time.
@@ -49,4 +49,4 @@ TEST(CpuTimesTest, TheReportNamesWhatTookTimeAndTheRest) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::process

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace metronome {
+namespace metronome::process {
 namespace {
 
 using Json = nlohmann::json;
@@ -80,4 +80,4 @@ TEST(LoggingTest, UnknownWordsAreNamed) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::process

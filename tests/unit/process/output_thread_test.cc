@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-namespace metronome {
+namespace metronome::process {
 namespace {
 
 using std::chrono::milliseconds;
@@ -127,4 +127,4 @@ TEST_F(OutputThreadTest, WhatCannotBeWrittenIsDropped) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::process

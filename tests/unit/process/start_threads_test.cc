@@ -12,7 +12,7 @@
 
 #include "actor/client/worker_pool.h"
 
-namespace metronome {
+namespace metronome::process {
 namespace {
 
 constexpr std::size_t kTooMany = 64;  // of threads, for the room that is left
@@ -106,7 +106,7 @@ TEST(ShareOutTest, AFailureStopsTheOthersAndIsTold) {
   EXPECT_LT(done, kMany - 1);
 }
 
-class IdlePlayer final : public EpisodePlayer {
+class IdlePlayer final : public client::EpisodePlayer {
  public:
   std::optional<Episode> Play(const PolicySnapshot&, std::uint64_t,
                               const std::atomic<bool>&) override {
@@ -117,13 +117,13 @@ class IdlePlayer final : public EpisodePlayer {
 TEST(StartThreadsTest, AWorkerPoolOfTooManyIsAnError) {
   ExpectNamedError(
       [] {
-        std::vector<std::unique_ptr<EpisodePlayer>> players(kTooMany);
+        std::vector<std::unique_ptr<client::EpisodePlayer>> players(kTooMany);
         for (auto& player : players) player = std::make_unique<IdlePlayer>();
-        const WorkerPool pool(
+        const client::WorkerPool pool(
             std::move(players), [](const Episode&) {}, [] {});
       },
       "choose fewer by --envs");
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::process

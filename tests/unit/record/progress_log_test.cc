@@ -14,21 +14,21 @@
 #include "common/process/files.h"
 #include "common/text/number_text.h"
 
-namespace metronome {
+namespace metronome::record {
 namespace {
 
 /// Metrics of an algorithm, two of them per head.
-std::vector<Metric> AlgorithmMetrics(std::size_t heads = 2) {
-  std::vector<Metric> metrics = {{"loss", "loss/all", 1e-9, ""},
-                                 {"epochs", "a/epochs", std::uint64_t{10}, ""}};
+std::vector<algorithm::Metric> AlgorithmMetrics(std::size_t heads = 2) {
+  std::vector<algorithm::Metric> metrics = {{"loss", "loss/all", 1e-9, ""},
+                                            {"epochs", "a/epochs", std::uint64_t{10}, ""}};
   for (std::size_t head = 0; head < heads; ++head) {
     metrics.push_back({"kl_head" + std::to_string(head), "head/kl", 0.25, ""});
   }
   return metrics;
 }
 
-UpdateReport Report(std::uint64_t version) {
-  UpdateReport report;
+algorithm::UpdateReport Report(std::uint64_t version) {
+  algorithm::UpdateReport report;
   report.version = version;
   report.steps = version * 8000;
   report.episodes_used = version * 16;
@@ -46,7 +46,7 @@ std::vector<std::string> Cells(const std::string& line) {
 
 std::vector<std::vector<std::string>> ReadTable(const std::string& path) {
   std::vector<std::vector<std::string>> rows;
-  std::istringstream in(ReadFile(path));
+  std::istringstream in(process::ReadFile(path));
   for (std::string line; std::getline(in, line);) rows.push_back(Cells(line));
   return rows;
 }
@@ -98,7 +98,7 @@ TEST_F(ProgressLogTest, RowsReadBackBitForBitAsSoonAsTheyAreAppended) {
   ProgressLog log(path_, AlgorithmMetrics(), 0);
   WallReport wall;
   wall.seconds = 4;
-  UpdateReport report = Report(125);  // 1000000 steps: written out, not 1e+06
+  algorithm::UpdateReport report = Report(125);  // 1000000 steps: written out, not 1e+06
   report.success = 0.8125;
   report.metrics.back().value = 1.2345678901234567e-9;
   log.Append(MetricsOf(report, wall));
@@ -106,8 +106,8 @@ TEST_F(ProgressLogTest, RowsReadBackBitForBitAsSoonAsTheyAreAppended) {
   EXPECT_EQ(Cell(1, "update"), "125");
   EXPECT_EQ(Cell(1, "success"), "0.8125");
   EXPECT_EQ(Cell(1, "fps"), "250000");
-  EXPECT_EQ(ParseNumber<double>(Cell(1, "return")), report.mean_return);
-  EXPECT_EQ(ParseNumber<double>(Cell(1, "kl_head1")), 1.2345678901234567e-9);
+  EXPECT_EQ(text::ParseNumber<double>(Cell(1, "return")), report.mean_return);
+  EXPECT_EQ(text::ParseNumber<double>(Cell(1, "kl_head1")), 1.2345678901234567e-9);
   EXPECT_EQ(Cell(1, "epochs"), "10");
   EXPECT_EQ(ReadTable(path_)[1].size(), ReadTable(path_)[0].size());
 }
@@ -142,22 +142,22 @@ TEST_F(ProgressLogTest, ResumingCutsBackToTheCheckpointAndGoesOnAsIfUninterrupte
       log.Append(MetricsOf(Report(version), {}));
       if (version == 2) at_two = log.bytes();
     }
-    uninterrupted = ReadFile(path_);
+    uninterrupted = process::ReadFile(path_);
   }
   ProgressLog log(path_, AlgorithmMetrics(), at_two);
   EXPECT_EQ(log.bytes(), at_two);
   EXPECT_EQ(ReadTable(path_).size(), 3u);
   log.Append(MetricsOf(Report(3), {}));
   log.Append(MetricsOf(Report(4), {}));
-  EXPECT_EQ(ReadFile(path_), uninterrupted);
+  EXPECT_EQ(process::ReadFile(path_), uninterrupted);
 }
 
 TEST_F(ProgressLogTest, AShorterFileIsKeptUpToItsLastWholeRow) {
   { ProgressLog(path_, AlgorithmMetrics(), 0).Append(MetricsOf(Report(1), {})); }
-  const std::string whole = ReadFile(path_);
+  const std::string whole = process::ReadFile(path_);
   std::ofstream(path_, std::ios::app) << "16000,2,32";  // cut off amid a row
   ProgressLog log(path_, AlgorithmMetrics(), whole.size() + 1000);
-  EXPECT_EQ(ReadFile(path_), whole);
+  EXPECT_EQ(process::ReadFile(path_), whole);
   log.Append(MetricsOf(Report(2), {}));
   EXPECT_EQ(Cell(2, "steps"), "16000");
 }
@@ -193,17 +193,17 @@ TEST_F(ProgressLogTest, RowsWaitWhileTheDiskIsFullAndAreInTheFileOnceThereIsRoom
 }
 
 TEST(MetricsTest, WallClockColumnsAndTagsAreMarkedAlike) {
-  for (const Metric& metric : MetricsOf(Report(1), {})) {
+  for (const algorithm::Metric& metric : MetricsOf(Report(1), {})) {
     const bool wall = metric.column == "fps" || metric.column.starts_with("wall_");
     EXPECT_EQ(metric.tag.starts_with("wall/"), wall) << metric.column;
   }
 }
 
 TEST(FormatNumberTest, IsTheShortestTextThatReadsBack) {
-  EXPECT_EQ(FormatNumber(0.1), "0.1");
-  EXPECT_EQ(FormatNumber(1.0 / 3), "0.3333333333333333");
-  EXPECT_EQ(FormatNumber(-0.0), "-0");
-  EXPECT_EQ(FormatNumber(2), "2");
+  EXPECT_EQ(text::FormatNumber(0.1), "0.1");
+  EXPECT_EQ(text::FormatNumber(1.0 / 3), "0.3333333333333333");
+  EXPECT_EQ(text::FormatNumber(-0.0), "-0");
+  EXPECT_EQ(text::FormatNumber(2), "2");
 }
 
 TEST_F(ProgressLogTest, AFileWithOtherColumnsIsNotGoneOnWith) {
@@ -219,4 +219,4 @@ TEST_F(ProgressLogTest, AFileWithOtherColumnsIsNotGoneOnWith) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::record

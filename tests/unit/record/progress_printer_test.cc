@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string>
 
-namespace metronome {
+namespace metronome::record {
 namespace {
 
 RunFacts Facts() {
@@ -22,8 +22,8 @@ RunFacts Facts() {
   return facts;
 }
 
-UpdateReport Report() {
-  UpdateReport report;
+algorithm::UpdateReport Report() {
+  algorithm::UpdateReport report;
   report.version = 4;
   report.steps = 2000;
   report.mean_return = 12.5;
@@ -103,4 +103,4 @@ TEST(ProgressPrinterTest, LinesAreForPeopleAndNoneIsSilent) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::record

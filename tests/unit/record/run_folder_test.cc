@@ -15,7 +15,7 @@
 #include "learner/collect/trust/excluded_hosts.h"
 #include "tests/unit/support/temporary_folder.h"
 
-namespace metronome {
+namespace metronome::record {
 namespace {
 
 class RunFolderTest : public TemporaryFolderTest {
@@ -108,26 +108,27 @@ TEST_F(RunFolderTest, AFolderThatCannotBeMadeIsNamed) {
 }
 
 TEST_F(RunFolderTest, ExcludedHostsAreReadAsTheyWereWritten) {
-  const std::string path = ExcludedHostsPathOf(root_);
-  EXPECT_TRUE(LoadExcludedHosts(path).empty());
-  const ExcludedHosts hosts = {{"a", "one \"reason\""}, {"b\n", "another"}};
-  SaveExcludedHosts(hosts, path);
-  EXPECT_EQ(LoadExcludedHosts(path), hosts);
-  EXPECT_NO_THROW(SaveExcludedHosts({{"\xff", "no text"}}, path));
+  const std::string path = collect::trust::ExcludedHostsPathOf(root_);
+  EXPECT_TRUE(collect::trust::LoadExcludedHosts(path).empty());
+  const collect::trust::ExcludedHosts hosts = {{"a", "one \"reason\""}, {"b\n", "another"}};
+  collect::trust::SaveExcludedHosts(hosts, path);
+  EXPECT_EQ(collect::trust::LoadExcludedHosts(path), hosts);
+  EXPECT_NO_THROW(collect::trust::SaveExcludedHosts({{"\xff", "no text"}}, path));
 }
 
 TEST_F(RunFolderTest, ExcludedHostsMayBeSavedWithAByteOrderMark) {
-  const std::string path = ExcludedHostsPathOf(root_);
+  const std::string path = collect::trust::ExcludedHostsPathOf(root_);
   std::ofstream(path) << "\xef\xbb\xbf{\"a\": \"reason\"}\r\n";
-  EXPECT_EQ(LoadExcludedHosts(path), (ExcludedHosts{{"a", "reason"}}));
+  EXPECT_EQ(collect::trust::LoadExcludedHosts(path),
+            (collect::trust::ExcludedHosts{{"a", "reason"}}));
 }
 
 TEST_F(RunFolderTest, AnExclusionFileOfAnotherFormIsNamedWithTheRemedy) {
-  const std::string path = ExcludedHostsPathOf(root_);
+  const std::string path = collect::trust::ExcludedHostsPathOf(root_);
   for (const char* content : {"", "{", "[\"a\"]", "{\"a\": 1}"}) {
     std::ofstream(path, std::ios::trunc) << content;
     try {
-      LoadExcludedHosts(path);
+      collect::trust::LoadExcludedHosts(path);
       FAIL() << content;
     } catch (const std::invalid_argument& error) {
       EXPECT_NE(std::string(error.what()).find(path + " does not say"), std::string::npos);
@@ -136,4 +137,4 @@ TEST_F(RunFolderTest, AnExclusionFileOfAnotherFormIsNamedWithTheRemedy) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::record

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metronome {
+namespace metronome::record {
 namespace {
 
 TEST(RunLengthTest, UpdatesAreKnownWhereEpisodesHaveOneLength) {
@@ -21,4 +21,4 @@ TEST(RunLengthTest, ElseTheyAreAsManyAsItTakesAtThePaceSoFar) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::record

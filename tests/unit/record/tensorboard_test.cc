@@ -12,10 +12,10 @@
 #include "common/process/files.h"
 #include "learner/record/tensorboard_event.pb.h"
 
-namespace metronome {
+namespace metronome::record {
 namespace {
 
-std::vector<Metric> Metrics(double value) {
+std::vector<algorithm::Metric> Metrics(double value) {
   return {{"return", "train/return", value, ""},
           {"epochs", "ppo/epochs", std::uint64_t{10}, ""},
           {"fps", "wall/fps", 900.5, ""}};
@@ -23,7 +23,7 @@ std::vector<Metric> Metrics(double value) {
 
 /// Reads a file as TensorBoard does; stops the test at a frame that is not right.
 std::vector<tensorboard::Event> ReadEvents(const std::string& path) {
-  const std::string content = ReadFile(path);
+  const std::string content = process::ReadFile(path);
   std::vector<tensorboard::Event> events;
   const auto masked = [](std::string_view bytes) {
     const std::uint32_t crc = Crc32c(bytes);
@@ -69,7 +69,8 @@ TEST_F(TensorBoardTest, AFileBeginsWithItsVersion) {
 TEST_F(TensorBoardTest, FramesCarryTensorBoardsMaskedChecksums) {
   TensorBoardLog log(path_, 0);
   // 24 bytes of data; the checksum is what TensorBoard's own masked_crc32c gives for that length.
-  EXPECT_EQ(ReadFile(path_).substr(0, 12), std::string("\x18\0\0\0\0\0\0\0\xa3\x7f\x4b\x22", 12));
+  EXPECT_EQ(process::ReadFile(path_).substr(0, 12),
+            std::string("\x18\0\0\0\0\0\0\0\xa3\x7f\x4b\x22", 12));
 }
 
 TEST_F(TensorBoardTest, EachUpdateIsOneEventOfScalarsOverSteps) {
@@ -107,15 +108,15 @@ TEST_F(TensorBoardTest, AFileThatEndsAmidARecordIsKeptUpToItsLastWholeOne) {
     TensorBoardLog log(path_, 0);
     log.Append(8000, Metrics(1));
   }
-  const std::string whole = ReadFile(path_);
+  const std::string whole = process::ReadFile(path_);
   for (const std::size_t extra : {1u, 11u, 12u, 20u}) {
     std::ofstream(path_, std::ios::binary) << whole << whole.substr(0, extra);
     TensorBoardLog log(path_, 100000);
-    EXPECT_EQ(ReadFile(path_), whole) << extra;
+    EXPECT_EQ(process::ReadFile(path_), whole) << extra;
   }
   std::ofstream(path_, std::ios::binary | std::ios::app) << std::string(20, '\xff');
   EXPECT_EQ(TensorBoardLog(path_, 100000).bytes(), whole.size());
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::record

@@ -13,7 +13,7 @@
 #include "actor/render/camera.h"
 #include "actor/render/head_colors.h"
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 constexpr ImageSize kSize = {640, 480};
@@ -61,14 +61,15 @@ class EpisodePicturesTest : public ::testing::Test {
     path_ = Stripes(PoseOf(environment_->model(), environment_->data()));
   }
   EpisodePictures Pictures(bool show_path = true) {
-    return {environment_->model(),
-            FindCamera(environment_->model(), metaworld::FindTask("push").view, "90,-20,1.2"),
-            path_,
-            {"push", kSize, show_path, 0.0}};
+    return {
+        environment_->model(),
+        FindCamera(environment_->model(), metaworld::tasks::FindTask("push").view, "90,-20,1.2"),
+        path_,
+        {"push", kSize, show_path, 0.0}};
   }
 
   std::unique_ptr<metaworld::SawyerEnvironment> environment_ =
-      metaworld::MakeSawyerEnvironment("push", {});
+      metaworld::tasks::MakeSawyerEnvironment("push", {});
   EpisodePath path_;
 };
 
@@ -106,27 +107,30 @@ TEST_F(EpisodePicturesTest, DrawingTwiceGivesTheSameAndLeavesTheEnvironmentAlone
 }
 
 TEST(FindCameraTest, ListsTheCamerasWhereThereIsNone) {
-  const auto environment = metaworld::MakeSawyerEnvironment("push", {});
-  EXPECT_EQ(FindCamera(environment->model(), metaworld::FindTask("push").view, "corner2").type,
-            mjCAMERA_FIXED);
-  EXPECT_EQ(FindCamera(environment->model(), metaworld::FindTask("push").view, "free").type,
+  const auto environment = metaworld::tasks::MakeSawyerEnvironment("push", {});
+  EXPECT_EQ(
+      FindCamera(environment->model(), metaworld::tasks::FindTask("push").view, "corner2").type,
+      mjCAMERA_FIXED);
+  EXPECT_EQ(FindCamera(environment->model(), metaworld::tasks::FindTask("push").view, "free").type,
             mjCAMERA_FREE);
-  EXPECT_EQ(FindCamera(environment->model(), metaworld::FindTask("push").view, "90,-20,2,0,1,0.5")
-                .lookat[1],
-            1);
+  EXPECT_EQ(
+      FindCamera(environment->model(), metaworld::tasks::FindTask("push").view, "90,-20,2,0,1,0.5")
+          .lookat[1],
+      1);
   try {
-    FindCamera(environment->model(), metaworld::FindTask("push").view, "cornr2");
+    FindCamera(environment->model(), metaworld::tasks::FindTask("push").view, "cornr2");
     FAIL();
   } catch (const std::invalid_argument& error) {
     const std::string what = error.what();
     EXPECT_NE(what.find("did you mean \"corner2\""), std::string::npos) << what;
     EXPECT_NE(what.find("free, topview"), std::string::npos) << what;
   }
-  EXPECT_THROW(FindCamera(environment->model(), metaworld::FindTask("push").view, "90,-20"),
+  EXPECT_THROW(FindCamera(environment->model(), metaworld::tasks::FindTask("push").view, "90,-20"),
                std::invalid_argument);
-  EXPECT_THROW(FindCamera(environment->model(), metaworld::FindTask("push").view, "90,-20,0"),
-               std::invalid_argument);
+  EXPECT_THROW(
+      FindCamera(environment->model(), metaworld::tasks::FindTask("push").view, "90,-20,0"),
+      std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::render

@@ -16,7 +16,7 @@
 #include "actor/render/path_geoms.h"
 #include "actor/render/timeline.h"
 
-namespace metronome {
+namespace metronome::render {
 namespace {
 
 /// Two heads of three steps each; the hand goes along x, then along z.
@@ -118,7 +118,8 @@ TEST(RunRenderTest, NamesWhatIsWrongWithItsOptions) {
   const auto fail = [](const RenderOptions& options, int want) {
     std::ostringstream out;
     std::ostringstream err;
-    EXPECT_EQ(RunRender(options, EnvironmentRegistry({}), out, err), want) << err.str();
+    EXPECT_EQ(RunRender(options, environment::EnvironmentRegistry({}), out, err), want)
+        << err.str();
     EXPECT_EQ(out.str(), "");
     return err.str();
   };
@@ -148,4 +149,4 @@ TEST(RunRenderTest, NamesWhatIsWrongWithItsOptions) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::render

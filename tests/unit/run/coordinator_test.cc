@@ -8,7 +8,7 @@
 #include "common/process/exit_codes.h"
 #include "tests/unit/support/fake_run.h"
 
-namespace metronome {
+namespace metronome::run {
 namespace {
 
 using ::metronome::testing::FakeActor;
@@ -39,7 +39,7 @@ TEST(CoordinatorTest, ARunLearnsFromEachNumberOnceInOrderAndEndsWithItsAccounts)
   FakeRun run;
   run.AddActor(1);
   run.AddActor(2, 2);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
   EXPECT_EQ(run.record.updates, (std::vector<std::uint64_t>{1, 2, 3}));
   EXPECT_EQ(run.record.finished,
@@ -55,7 +55,7 @@ TEST(CoordinatorTest, WhoeverWatchesIsToldOnceASecondAndAtTheEnd) {
   std::vector<LearnerStatus> shown;
   run.setup.on_status = [&shown](const LearnerStatus& status) { shown.push_back(status); };
   run.AddActor(1, 2).duration = milliseconds(3000);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   const auto& statuses = run.bus.statuses;
   EXPECT_EQ(shown, statuses);
   ASSERT_GT(statuses.size(), 5U);
@@ -82,7 +82,7 @@ TEST(CoordinatorTest, AStatusShowsEachActorAndTheAgeOfItsOldestOrder) {
   actor.duration = milliseconds(1900);
   actor.status.pid = 5;
   actor.status.steps_per_second = 250;
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   const LearnerStatus& second = run.bus.statuses.at(1);
   ASSERT_EQ(second.actors.size(), 1U);
   EXPECT_EQ(second.actors_total, 1U);
@@ -121,7 +121,7 @@ TEST(CoordinatorTest, AStatusCountsTheEpisodesOfAnActorThatCameAfterAThousandOth
   run.setup.on_status = [&accepted](const LearnerStatus& status) {
     for (const ActorReport& actor : status.actors) accepted[actor.name] = actor.accepted;
   };
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_GT(accepted.at("host6000:0"), 0U);
   EXPECT_GT(accepted.at("host5000:0"), 0U) << "who is there keeps its counts";
 }
@@ -135,7 +135,7 @@ TEST(CoordinatorTest, ARunOfEpisodesThatEndEarlyEndsWithTheUpdateThatReachesItsS
     run.setup.status.length = {90, 2, true};
     run.setup.checkpoint_every = 100;
     run.AddActor(1, 2);
-    EXPECT_EQ(run.Run(), kExitFinished);
+    EXPECT_EQ(run.Run(), process::kExitFinished);
     EXPECT_EQ(run.learning.current.version, 3U);
     EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
     EXPECT_EQ(run.record.finished.find("every episode number entered exactly one update: 12 of 12"),
@@ -151,14 +151,14 @@ TEST(CoordinatorTest, AStoppedRunSaysSoToWhoeverWatches) {
   run.AddActor(1);
   run.bus.CallAfter(milliseconds(2500), [&run] { run.coordinator->RequestStop(SIGTERM); });
   run.setup.rules.updates_total = 100;
-  EXPECT_EQ(run.Run(), kExitSignalBase + SIGTERM);
+  EXPECT_EQ(run.Run(), process::kExitSignalBase + SIGTERM);
   EXPECT_EQ(run.bus.statuses.back().state, LearnerStatus::State::kStopped);
 }
 
 TEST(CoordinatorTest, VersionZeroIsOnDiskBeforeTheFirstOrderAndEachVersionAfterIt) {
   FakeRun run;
   run.AddActor(1);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   ASSERT_EQ(run.record.saved.size(), 4U);
   EXPECT_EQ(run.record.saved[0].version, 0U);
   EXPECT_EQ(run.record.orders_before_save[0], 0U);
@@ -171,9 +171,9 @@ TEST(CoordinatorTest, CheckpointsAreWrittenEveryFewUpdatesAndAtTheEnd) {
   run.setup.rules.updates_total = 5;
   run.setup.checkpoint_every = 2;
   run.AddActor(1);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   std::vector<std::uint64_t> versions;
-  for (const TrainState& state : run.record.saved) versions.push_back(state.version);
+  for (const checkpoint::TrainState& state : run.record.saved) versions.push_back(state.version);
   EXPECT_EQ(versions, (std::vector<std::uint64_t>{0, 2, 4, 5}));
 }
 
@@ -183,9 +183,9 @@ TEST(CoordinatorTest, MilestonesAreWrittenBetweenCheckpoints) {
   run.setup.checkpoint_every = 5;
   run.setup.milestone_every = 3;
   run.AddActor(1);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   std::vector<std::uint64_t> versions;
-  for (const TrainState& state : run.record.saved) versions.push_back(state.version);
+  for (const checkpoint::TrainState& state : run.record.saved) versions.push_back(state.version);
   EXPECT_EQ(versions, (std::vector<std::uint64_t>{0, 3, 5, 6, 7}));
 }
 
@@ -198,7 +198,7 @@ TEST(CoordinatorTest, WithoutOverlapNothingIsOrderedDuringAnUpdate) {
     ordered_during_update |= run.background.running;
     return obey(order);
   };
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_FALSE(ordered_during_update);
   EXPECT_EQ(run.learning.behaviour,
             (std::vector<std::uint64_t>{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2}));
@@ -215,7 +215,7 @@ TEST(CoordinatorTest, WithOverlapTheNextBatchIsPlayedUnderTheOldWeightsDuringThe
     EXPECT_LE(order.weights_version, run.bus.snapshots.back().version);
     return obey(order);
   };
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_TRUE(ordered_during_update);
   EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
   EXPECT_EQ(run.learning.behaviour,
@@ -227,7 +227,7 @@ TEST(CoordinatorTest, AResumedRunGoesOnWithTheSameNumbersAndPublishesBothVersion
   run.Resume(2);
   run.setup.rules.overlap = 1;
   run.AddActor(1);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_EQ(run.learning.learnt, (std::vector<std::uint64_t>{8, 9, 10, 11}));
   EXPECT_EQ(run.learning.behaviour, (std::vector<std::uint64_t>{1, 1, 1, 1}));
   EXPECT_EQ(run.bus.snapshots[0].version, 1U);
@@ -241,7 +241,7 @@ TEST(CoordinatorTest, AResumedRunGoesOnWithTheSameNumbersAndPublishesBothVersion
 TEST(CoordinatorTest, AFinishedRunThatIsResumedEndsAtOnce) {
   FakeRun run;
   run.Resume(3);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_TRUE(run.bus.orders.empty());
   EXPECT_TRUE(Contains(run.record.finished, "12 of 12"));
 }
@@ -250,9 +250,9 @@ TEST(CoordinatorTest, WallClockFactsAreOfTheBatchsOwnCollection) {
   FakeRun run;
   run.setup.seconds_before = 100;
   run.AddActor(1);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   ASSERT_EQ(run.record.walls.size(), 3U);
-  const WallReport& wall = run.record.walls[1];
+  const record::WallReport& wall = run.record.walls[1];
   EXPECT_NEAR(wall.collect_seconds, 0.4, 1e-9);  // four episodes of 100 ms in one slot
   EXPECT_EQ(wall.idle_share, 0) << "the second of the update before is no idleness of collecting";
   EXPECT_NEAR(wall.seconds, 100 + 0.001 + 0.4 + 1 + 0.4 + 1, 1e-9);
@@ -264,7 +264,7 @@ TEST(CoordinatorTest, AKilledActorsEpisodesAreOrderedFromTheOthers) {
   run.AddActor(1);
   run.AddActor(2);
   run.bus.CallAfter(milliseconds(350), [&] { run.Kill(1); });
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
   EXPECT_FALSE(Contains(run.record.finished, "re-ordered 0"));
 }
@@ -276,7 +276,7 @@ TEST(CoordinatorTest, BadEpisodesNeverReachTheUpdateAndAreOrderedAgain) {
     if (++sent % 3 == 0) message.episode.reward[0] = std::nanf("");
     return std::vector{message};
   };
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
   EXPECT_TRUE(Contains(run.record.finished, "rejected 5")) << run.record.finished;
 }
@@ -290,7 +290,7 @@ TEST(CoordinatorTest, AnActorThatOnlySendsBadEpisodesIsRefusedByName) {
     return std::vector{message};
   };
   run.AddActor(2);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_TRUE(Contains(bad.refused, "host1")) << bad.refused;
   EXPECT_TRUE(Contains(bad.refused, "a reward is not finite"));
   EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
@@ -303,7 +303,7 @@ TEST(CoordinatorTest, DuplicatesAreDroppedAndADifferingOneIsToldInTheAccounts) {
     if (message.episode.number == 5) again.episode.reward[0] += 1;
     return std::vector{message, again};
   };
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
   EXPECT_TRUE(Contains(run.record.finished, "duplicates 12, rejected 0, DIFFERING DUPLICATES 1"))
       << run.record.finished;
@@ -317,7 +317,7 @@ TEST(CoordinatorTest, SamplesOfAnotherStartOfTheLearnerAreDropped) {
     stale.episode.reward[0] = -1;
     return std::vector{stale, message};
   };
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_TRUE(Contains(run.record.finished, "duplicates 0, rejected 0"));
 }
 
@@ -329,7 +329,7 @@ TEST(CoordinatorTest, SamplesFromNowhereAreCountedAndDropped) {
                 EpisodeMessage{FakeRun::kIncarnation, 66, FakeRun::MakeEpisode(2, 0)});
   run.bus.After(milliseconds(400),
                 EpisodeMessage{FakeRun::kIncarnation, 1, FakeRun::MakeEpisode(999, 0)});
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_TRUE(Contains(run.record.finished, "rejected 3")) << run.record.finished;
 }
 
@@ -343,7 +343,7 @@ TEST(CoordinatorTest, ActorsOfAnotherProtocolEngineOrArithmeticAreRefusedNamingB
   FakeActor& digest = run.AddActor(4);
   digest.status.canonical_digest = "digest-2";
   digest.status.build = "build-4";
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_TRUE(run.actors.at(1).refused.empty());
   EXPECT_TRUE(Contains(protocol.refused, "protocol version " +
                                              std::to_string(kProtocolVersion + 1) +
@@ -364,7 +364,7 @@ TEST(CoordinatorTest, ARefusalFitsTheWireHoweverLongAnActorsWordsAre) {
   build.status.build = std::string(4000, 'x');
   FakeActor& engine = run.AddActor(3);
   engine.status.engine = std::string(5000, 'y');
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   for (const char* part : {"host2", "digest-1", "digest-2", "www...", "xxx...", "same build"}) {
     EXPECT_TRUE(Contains(build.refused, part)) << part;
   }
@@ -378,7 +378,7 @@ TEST(CoordinatorTest, AfterAResumeActorsMustEqualTheCheckpointsDigest) {
   FakeActor& other = run.AddActor(1);
   other.status.canonical_digest = "digest-2";
   run.AddActor(2);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_TRUE(Contains(other.refused, "digest-1"));
 }
 
@@ -393,7 +393,7 @@ TEST(CoordinatorTest, AfterAResumeTheDigestOfAnOlderBuildIsCompletedOnce) {
   run.AddActor(2).status.canonical_digest = whole;
   FakeActor& other = run.AddActor(3);
   other.status.canonical_digest = older + std::string(64, 'c');
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_TRUE(Contains(longer.refused, older)) << longer.refused;
   EXPECT_TRUE(run.actors.at(2).refused.empty()) << run.actors.at(2).refused;
   EXPECT_TRUE(Contains(other.refused, whole)) << other.refused;
@@ -404,7 +404,7 @@ TEST(CoordinatorTest, AFullDiskIsLoudAndTheRunGoesOn) {
   FakeRun run;
   run.record.full = [](std::uint64_t version) { return version == 1 || version == 2; };
   run.AddActor(1);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   ASSERT_EQ(run.record.saved.size(), 2U);
   EXPECT_EQ(run.record.saved[1].version, 3U);
 }
@@ -413,7 +413,7 @@ TEST(CoordinatorTest, AFinalCheckpointThatCannotBeWrittenIsAFailure) {
   FakeRun run;
   run.record.full = [](std::uint64_t version) { return version == 3; };
   run.AddActor(1);
-  EXPECT_EQ(run.Run(), kExitFailure);
+  EXPECT_EQ(run.Run(), process::kExitFailure);
   EXPECT_TRUE(run.bus.descriptions.back().finished);
 }
 
@@ -421,7 +421,7 @@ TEST(CoordinatorTest, WithoutAVersionZeroCheckpointNothingIsOrdered) {
   FakeRun run;
   run.record.full = [](std::uint64_t) { return true; };
   run.AddActor(1);
-  EXPECT_EQ(run.Run(), kExitFailure);
+  EXPECT_EQ(run.Run(), process::kExitFailure);
   EXPECT_TRUE(run.bus.orders.empty());
   EXPECT_FALSE(run.record.started_at.has_value());
 }
@@ -431,7 +431,7 @@ TEST(CoordinatorTest, AnUpdateThatIsNotFiniteStopsTheRunWithTheLastGoodCheckpoin
   run.setup.checkpoint_every = 10;
   run.learning.fail_at = 3;
   run.AddActor(1);
-  EXPECT_EQ(run.Run(), kExitNonFinite);
+  EXPECT_EQ(run.Run(), process::kExitNonFinite);
   EXPECT_EQ(run.record.saved.back().version, 2U);
   EXPECT_FALSE(run.bus.descriptions.back().finished);
   EXPECT_TRUE(run.record.finished.empty());
@@ -455,7 +455,7 @@ TEST(CoordinatorTest, ASignalWithoutACheckpointIsAFailureAndNothingIsSaidToBeOnD
   run.AddActor(1);
   run.bus.CallAfter(milliseconds(300 + 450 + 1000 + 100),
                     [&] { run.coordinator->RequestStop(SIGINT); });
-  EXPECT_EQ(run.Run(), kExitFailure);
+  EXPECT_EQ(run.Run(), process::kExitFailure);
   EXPECT_EQ(run.record.updates.back(), 1U);
   EXPECT_EQ(run.record.saved.back().version, 0U);
   EXPECT_FALSE(run.record.interrupted);
@@ -489,7 +489,7 @@ TEST(CoordinatorTest, AnActorThatComesLateIsServed) {
   ActorStatus knows = late.status;
   knows.incarnation = FakeRun::kIncarnation;
   run.bus.After(seconds(30), knows);
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_GT(run.bus.now() - Clock::time_point(std::chrono::hours(1)), seconds(30));
 }
 
@@ -505,7 +505,7 @@ TEST(CoordinatorTest, NobodyElseIsSeenSoTheRunIsServedAfterTheDiscoveryTime) {
     if (description.serving && !served) served = run.bus.now();
     hear(description);
   };
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_FALSE(run.bus.descriptions.front().serving);
   EXPECT_EQ(*served, Clock::time_point(std::chrono::hours(1)) + milliseconds(300));
   EXPECT_TRUE(actor.refused.empty());
@@ -514,7 +514,7 @@ TEST(CoordinatorTest, NobodyElseIsSeenSoTheRunIsServedAfterTheDiscoveryTime) {
 TEST(CoordinatorTest, ALivingLearnerRefusesASecondOneAndLeavesItsFilesAlone) {
   FakeRun run;
   run.bus.After(milliseconds(50), RivalSeen{Rival(999, true)});
-  EXPECT_EQ(run.Run(), kExitRival);
+  EXPECT_EQ(run.Run(), process::kExitRival);
   EXPECT_FALSE(run.record.begun);
   EXPECT_EQ(run.bus.now(), Clock::time_point(std::chrono::hours(1)) + milliseconds(3050));
 }
@@ -524,17 +524,17 @@ TEST(CoordinatorTest, OnesOwnGhostVanishesWithinItsLeaseAndDoesNotRefuse) {
   run.AddActor(1);
   run.bus.After(milliseconds(10), RivalSeen{Rival(1, true)});
   run.bus.After(milliseconds(2900), RivalLost{1});
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
 }
 
 TEST(CoordinatorTest, OfTwoThatStartTheLowerIdGoesOnAtOnceAndTheHigherGivesUp) {
   FakeRun lower;
   lower.AddActor(1);
   lower.bus.After(milliseconds(10), RivalSeen{Rival(FakeRun::kLearnerId + 1, false)});
-  EXPECT_EQ(lower.Run(), kExitFinished);
+  EXPECT_EQ(lower.Run(), process::kExitFinished);
   FakeRun higher;
   higher.bus.After(milliseconds(10), RivalSeen{Rival(FakeRun::kLearnerId - 1, false)});
-  EXPECT_EQ(higher.Run(), kExitRival);
+  EXPECT_EQ(higher.Run(), process::kExitRival);
 }
 
 TEST(CoordinatorTest, OfTwoEstablishedOnesTheHigherIdStopsWithACheckpoint) {
@@ -543,7 +543,7 @@ TEST(CoordinatorTest, OfTwoEstablishedOnesTheHigherIdStopsWithACheckpoint) {
   run.setup.checkpoint_every = 100;
   run.AddActor(1);
   run.bus.After(seconds(10), RivalSeen{Rival(FakeRun::kLearnerId - 1, true)});
-  EXPECT_EQ(run.Run(), kExitRival);
+  EXPECT_EQ(run.Run(), process::kExitRival);
   EXPECT_GT(run.record.saved.back().version, 0U);
   EXPECT_EQ(run.record.saved.back().version, run.learning.current.version);
 }
@@ -556,7 +556,7 @@ TEST(CoordinatorTest, AnEstablishedLearnerOutlastsALaterOne) {
   run.bus.After(seconds(10), RivalSeen{Rival(FakeRun::kLearnerId - 1, true)});
   run.bus.After(seconds(16), RivalLost{FakeRun::kLearnerId - 1});
   run.bus.After(seconds(20), RivalSeen{Rival(FakeRun::kLearnerId + 1, true)});
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
 }
 
 TEST(CoordinatorTest, ANewcomerThatMissedTheEstablishedOneYieldsEvenWithTheLowerId) {
@@ -564,14 +564,14 @@ TEST(CoordinatorTest, ANewcomerThatMissedTheEstablishedOneYieldsEvenWithTheLower
   run.setup.rules.updates_total = 30;
   run.AddActor(1);
   run.bus.After(seconds(1), RivalSeen{Rival(FakeRun::kLearnerId + 1, true)});
-  EXPECT_EQ(run.Run(), kExitRival);
+  EXPECT_EQ(run.Run(), process::kExitRival);
 }
 
 TEST(CoordinatorTest, AStartingRivalNeverStopsTheOneThatServes) {
   FakeRun run;
   run.AddActor(1);
   run.bus.After(seconds(1), RivalSeen{Rival(1, false)});
-  EXPECT_EQ(run.Run(), kExitFinished);
+  EXPECT_EQ(run.Run(), process::kExitFinished);
 }
 
 TEST(BackgroundThreadTest, WorkRunsElsewhereOneAtATimeAndWaitSeesItsEnd) {
@@ -590,4 +590,4 @@ TEST(BackgroundThreadTest, WorkRunsElsewhereOneAtATimeAndWaitSeesItsEnd) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::run

@@ -8,12 +8,12 @@
 #include "learner/ppo/ppo_report.h"
 #include "learner/record/metrics.h"
 
-namespace metronome {
+namespace metronome::run {
 namespace {
 
 /// Rows of the table of learner/README.md, "progress.csv".
 std::vector<std::string> TableOfReadme() {
-  std::istringstream text(ReadFile(METRONOME_SOURCE_DIR "/learner/README.md"));
+  std::istringstream text(process::ReadFile(METRONOME_SOURCE_DIR "/learner/README.md"));
   std::vector<std::string> rows;
   bool inside = false;
   for (std::string line; std::getline(text, line);) {
@@ -25,10 +25,10 @@ std::vector<std::string> TableOfReadme() {
 }
 
 TEST(MetricsTableTest, TheReadmeSaysWhatEachColumnMeans) {
-  UpdateReport report;
-  report.metrics = PpoMetrics(EmptyPpoReport(1));
+  algorithm::UpdateReport report;
+  report.metrics = ppo::PpoMetrics(ppo::EmptyPpoReport(1));
   std::vector<std::string> rows;
-  for (Metric metric : MetricsOf(report, {})) {
+  for (algorithm::Metric metric : record::MetricsOf(report, {})) {
     for (std::string* name : {&metric.column, &metric.tag}) {
       if (name->ends_with("_head0") || name->ends_with("/0")) name->back() = 'J';
     }
@@ -38,4 +38,4 @@ TEST(MetricsTableTest, TheReadmeSaysWhatEachColumnMeans) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::run

@@ -15,7 +15,7 @@
 #include "tests/unit/support/synthetic_run.h"
 #include "tests/unit/support/temporary_folder.h"
 
-namespace metronome {
+namespace metronome::run {
 namespace {
 
 namespace fs = std::filesystem;
@@ -25,7 +25,7 @@ class RunStartTest : public TemporaryFolderTest {
   RunStartTest() {
     request_.run = "demo";
     request_.folder = root_ + "/demo";
-    request_.config = Resolve(testing::SmallConfig());
+    request_.config = config::Resolve(testing::SmallConfig());
     request_.specs = test::Describe;
     fs::create_directories(request_.folder);
   }
@@ -33,13 +33,13 @@ class RunStartTest : public TemporaryFolderTest {
   [[nodiscard]] std::string Checkpoints() const { return request_.folder + "/checkpoints"; }
 
   /// What the run's learner left at `version`.
-  [[nodiscard]] Checkpoint At(std::uint64_t version) const {
-    Checkpoint checkpoint;
+  [[nodiscard]] checkpoint::Checkpoint At(std::uint64_t version) const {
+    checkpoint::Checkpoint checkpoint;
     checkpoint.config = request_.config;
-    checkpoint.engine = EngineName();
+    checkpoint.engine = process::EngineName();
     checkpoint.incarnation = 3;
     checkpoint.logs = {100 * version, 200 * version, 5};
-    PpoState state = Trainer::InitialState(request_.config);
+    ppo::PpoState state = ppo::Trainer::InitialState(request_.config);
     state.version = version;
     state.steps = version * 400;
     state.adam_m.assign(state.adam_m.size(), 0.5F);
@@ -48,7 +48,7 @@ class RunStartTest : public TemporaryFolderTest {
     state.reward_return = {{1}, {2}, 3};
     state.episodes_used = version * 10;
     state.parameters[0] = static_cast<float>(version);
-    checkpoint.state = EncodePpoState(state, request_.config);
+    checkpoint.state = ppo::EncodePpoState(state, request_.config);
     checkpoint.state.canonical_digest = "00ff";
     return checkpoint;
   }
@@ -63,11 +63,11 @@ class RunStartTest : public TemporaryFolderTest {
   }
 
   RunRequest request_;
-  std::shared_ptr<const AlgorithmFactory> ppo_ = MakePpoFactory();
+  std::shared_ptr<const algorithm::AlgorithmFactory> ppo_ = ppo::MakePpoFactory();
 };
 
 TEST_F(RunStartTest, AResumedRunGoesOnFromTheNewestWholeCheckpointAndItsLogs) {
-  CheckpointStore store(Checkpoints(), 5);
+  checkpoint::CheckpointStore store(Checkpoints(), 5);
   for (std::uint64_t version = 1; version <= 3; ++version) store.Save(At(version));
   std::ofstream(Checkpoints() + "/000003.ckpt", std::ios::trunc) << "torn";
   request_.resume = true;
@@ -79,7 +79,7 @@ TEST_F(RunStartTest, AResumedRunGoesOnFromTheNewestWholeCheckpointAndItsLogs) {
 }
 
 TEST_F(RunStartTest, AStartThatIsRefusedMovesNothing) {
-  CheckpointStore store(Checkpoints(), 5);
+  checkpoint::CheckpointStore store(Checkpoints(), 5);
   for (std::uint64_t version = 1; version <= 2; ++version) store.Save(At(version));
   std::ofstream(Checkpoints() + "/000002.ckpt", std::ios::trunc) << "torn";
   request_.resume = true;
@@ -105,29 +105,29 @@ TEST_F(RunStartTest, ARunWhoseCheckpointsAreLostDoesNotBeginAgain) {
 }
 
 TEST_F(RunStartTest, OfAnotherRunWeightsAndObservationStatisticsAreTakenAlone) {
-  const Checkpoint source = At(5);
-  const std::string path = CheckpointStore(root_ + "/other", 5).Save(source);
+  const checkpoint::Checkpoint source = At(5);
+  const std::string path = checkpoint::CheckpointStore(root_ + "/other", 5).Save(source);
   request_.config.mutable_policy()->set_initial_weights(path);
   request_.config.set_seed(99);
-  PpoState expected = Trainer::InitialState(request_.config);
-  const PpoState other = DecodePpoState(source.state, request_.config);
+  ppo::PpoState expected = ppo::Trainer::InitialState(request_.config);
+  const ppo::PpoState other = ppo::DecodePpoState(source.state, request_.config);
   expected.parameters = other.parameters;
   expected.observation = other.observation;
   // Killed before its first checkpoint, the run begins in the same way.
   for (const bool resume : {false, true}) {
     request_.resume = resume;
     const RunStart start = StartOf(request_, *ppo_);
-    EXPECT_EQ(start.checkpoint.state, EncodePpoState(expected, request_.config));
-    EXPECT_EQ(start.checkpoint.logs, LogOffsets());
-    EXPECT_EQ(start.checkpoint.initial_weights_sha256, WeightsSha256(other.parameters));
+    EXPECT_EQ(start.checkpoint.state, ppo::EncodePpoState(expected, request_.config));
+    EXPECT_EQ(start.checkpoint.logs, checkpoint::LogOffsets());
+    EXPECT_EQ(start.checkpoint.initial_weights_sha256, process::WeightsSha256(other.parameters));
     EXPECT_FALSE(start.resumed);
   }
 }
 
 TEST_F(RunStartTest, AStateOfALaterFormatOfTheAlgorithmIsRefusedByName) {
-  Checkpoint later = At(2);
-  later.state.algorithm.format = kPpoStateFormat + 1;
-  const std::string path = CheckpointStore(Checkpoints(), 5).Save(later);
+  checkpoint::Checkpoint later = At(2);
+  later.state.algorithm.format = ppo::kPpoStateFormat + 1;
+  const std::string path = checkpoint::CheckpointStore(Checkpoints(), 5).Save(later);
   request_.resume = true;
   EXPECT_EQ(Refusal(), path +
                            ": its state of ppo has format 2, this build reads formats 1 to 1; use "
@@ -139,21 +139,22 @@ TEST_F(RunStartTest, AStateOfALaterFormatOfTheAlgorithmIsRefusedByName) {
 }
 
 TEST_F(RunStartTest, AnotherAlgorithmsWeightsAreNotBegunWith) {
-  Checkpoint other = At(2);
+  checkpoint::Checkpoint other = At(2);
   other.state.algorithm = {"other", 1, ""};
   request_.config.mutable_policy()->set_initial_weights(
-      CheckpointStore(Checkpoints(), 5).Save(other));
+      checkpoint::CheckpointStore(Checkpoints(), 5).Save(other));
   EXPECT_NE(Refusal().find("its algorithm is other, this run's is ppo"), std::string::npos)
       << Refusal();
 }
 
 TEST_F(RunStartTest, ACheckpointRemembersTheWeightsThatItsRunBeganWith) {
-  Checkpoint checkpoint = At(1);
+  checkpoint::Checkpoint checkpoint = At(1);
   checkpoint.initial_weights_sha256 = "00ff";
   EXPECT_EQ(
-      DecodeCheckpoint(EncodeCheckpoint(checkpoint), "x", test::Describe).initial_weights_sha256,
+      checkpoint::DecodeCheckpoint(checkpoint::EncodeCheckpoint(checkpoint), "x", test::Describe)
+          .initial_weights_sha256,
       "00ff");
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::run

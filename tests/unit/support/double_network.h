@@ -13,9 +13,9 @@ namespace metronome::testing {
 /// @param parameters  the network's block, MlpLayout order.
 /// @param x           the network's input.
 template <typename Number>
-std::vector<double> Forward(const std::vector<Number>& parameters, const MlpLayout& layout,
+std::vector<double> Forward(const std::vector<Number>& parameters, const policy::MlpLayout& layout,
                             std::vector<double> x, int head) {
-  const auto apply = [&](const LayerSlice& slice, int first, int rows, bool squash) {
+  const auto apply = [&](const policy::LayerSlice& slice, int first, int rows, bool squash) {
     std::vector<double> y;
     for (int r = first; r < first + rows; ++r) {
       double sum = parameters[slice.bias + std::size_t(r)];
@@ -27,7 +27,7 @@ std::vector<double> Forward(const std::vector<Number>& parameters, const MlpLayo
     }
     return y;
   };
-  for (const LayerSlice& slice : layout.hidden) x = apply(slice, 0, slice.outputs, true);
+  for (const policy::LayerSlice& slice : layout.hidden) x = apply(slice, 0, slice.outputs, true);
   return apply(layout.head, head * layout.head_outputs, layout.head_outputs, false);
 }
 

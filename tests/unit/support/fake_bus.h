@@ -68,7 +68,7 @@ class FakeBus final : public LearnerBus {
 };
 
 /// Does its work inside a later Wait of the bus, `duration` after Start.
-class FakeBackground final : public Background {
+class FakeBackground final : public run::Background {
  public:
   explicit FakeBackground(FakeBus& bus) : bus_(bus) {}
 

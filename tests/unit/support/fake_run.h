@@ -19,11 +19,11 @@ namespace metronome::testing {
 using std::chrono::milliseconds;
 
 /// An "algorithm" that counts versions and keeps the numbers it was given.
-class FakeAlgorithm final : public Algorithm {
+class FakeAlgorithm final : public algorithm::Algorithm {
  public:
-  [[nodiscard]] const RunCounters& counters() const override { return current; }
-  UpdateReport Update(const std::vector<Episode>& batch) override {
-    if (fail_at == current.version + 1) throw NonFiniteUpdate("the loss is nan");
+  [[nodiscard]] const checkpoint::RunCounters& counters() const override { return current; }
+  algorithm::UpdateReport Update(const std::vector<Episode>& batch) override {
+    if (fail_at == current.version + 1) throw algorithm::NonFiniteUpdate("the loss is nan");
     for (const Episode& episode : batch) {
       learnt.push_back(episode.number);
       behaviour.push_back(episode.weights_version);
@@ -31,13 +31,13 @@ class FakeAlgorithm final : public Algorithm {
     }
     ++current.version;
     current.steps += batch.size() * 10;
-    UpdateReport report;
-    static_cast<RunCounters&>(report) = current;
+    algorithm::UpdateReport report;
+    static_cast<checkpoint::RunCounters&>(report) = current;
     return report;
   }
-  [[nodiscard]] TrainState State() const override {
-    TrainState state;
-    static_cast<RunCounters&>(state) = current;
+  [[nodiscard]] checkpoint::TrainState State() const override {
+    checkpoint::TrainState state;
+    static_cast<checkpoint::RunCounters&>(state) = current;
     return state;
   }
   [[nodiscard]] PolicySnapshot Snapshot() const override { return Make(current.version); }
@@ -50,9 +50,9 @@ class FakeAlgorithm final : public Algorithm {
     if (std::isnan(episode.reward.at(0))) return "a reward is not finite";
     return std::nullopt;
   }
-  [[nodiscard]] std::vector<Metric> Metrics() const override { return {}; }
+  [[nodiscard]] std::vector<algorithm::Metric> Metrics() const override { return {}; }
 
-  RunCounters current;
+  checkpoint::RunCounters current;
   std::uint64_t fail_at = 0;
   std::vector<std::uint64_t> learnt;
   std::vector<std::uint64_t> behaviour;
@@ -67,12 +67,12 @@ class FakeAlgorithm final : public Algorithm {
 };
 
 /// A "disk" that remembers what happened, and may be full.
-class FakeRecord final : public RunRecord {
+class FakeRecord final : public record::RunRecord {
  public:
   explicit FakeRecord(const FakeBus& bus) : bus_(bus) {}
 
   void Begin() override { begun = true; }
-  std::string Save(const TrainState& state) override {
+  std::string Save(const checkpoint::TrainState& state) override {
     if (full && full(state.version)) {
       throw std::system_error(ENOSPC, std::generic_category(), "checkpoint");
     }
@@ -81,33 +81,33 @@ class FakeRecord final : public RunRecord {
     return "checkpoint";
   }
   [[nodiscard]] std::string LatestCheckpoint() const override { return "checkpoint"; }
-  void Started(const TrainState& state) override { started_at = state.version; }
-  void Excluded(const ExcludedHosts& hosts) override {
+  void Started(const checkpoint::TrainState& state) override { started_at = state.version; }
+  void Excluded(const collect::trust::ExcludedHosts& hosts) override {
     if (exclusions_to_fail > 0) {
       --exclusions_to_fail;
       throw std::system_error(ENOSPC, std::generic_category(), "excluded.json");
     }
     excluded = hosts;
   }
-  void Updated(const UpdateReport& report, const WallReport& wall) override {
+  void Updated(const algorithm::UpdateReport& report, const record::WallReport& wall) override {
     walls.push_back(wall);
     updates.push_back(report.version);
   }
-  void Finished(const TrainState&, const std::string& accounting) override {
+  void Finished(const checkpoint::TrainState&, const std::string& accounting) override {
     finished = accounting;
   }
-  void Interrupted(const TrainState&) override { interrupted = true; }
+  void Interrupted(const checkpoint::TrainState&) override { interrupted = true; }
 
   std::function<bool(std::uint64_t version)> full;
   bool begun = false;
   bool interrupted = false;
   std::optional<std::uint64_t> started_at;
-  ExcludedHosts excluded;
+  collect::trust::ExcludedHosts excluded;
   int exclusions_to_fail = 0;
-  std::vector<TrainState> saved;
+  std::vector<checkpoint::TrainState> saved;
   std::vector<std::size_t> orders_before_save;
   std::vector<std::uint64_t> updates;
-  std::vector<WallReport> walls;
+  std::vector<record::WallReport> walls;
   std::string finished;
 
  private:
@@ -164,8 +164,8 @@ class FakeRun {
   }
 
   int Run() {
-    coordinator = std::make_unique<Coordinator>(setup, bus, learning, record, background,
-                                                [this] { return bus.now(); });
+    coordinator = std::make_unique<run::Coordinator>(setup, bus, learning, record, background,
+                                                     [this] { return bus.now(); });
     return coordinator->Run();
   }
 
@@ -182,13 +182,13 @@ class FakeRun {
     return episode;
   }
 
-  CoordinatorSetup setup;
+  run::CoordinatorSetup setup;
   FakeBus bus;
   FakeBackground background;
   FakeAlgorithm learning;
   FakeRecord record;
   std::map<std::uint64_t, FakeActor> actors;
-  std::unique_ptr<Coordinator> coordinator;
+  std::unique_ptr<run::Coordinator> coordinator;
 
  private:
   bool Obey(const EpisodeOrder& order) {

@@ -37,14 +37,14 @@ inline RunConfig SmallConfig(Method method = MULTIHEAD, int heads = 3, int overl
 
 inline Episode SyntheticEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
                                 std::uint64_t number) {
-  Policy policy(config, snapshot);
-  const HeadSchedule schedule(config, TrainingEpisode(config, number));
-  ActionNoise noise(config, number);
+  policy::Policy policy(config, snapshot);
+  const policy::HeadSchedule schedule(config, policy::TrainingEpisode(config, number));
+  policy::ActionNoise noise(config, number);
   Episode episode;
   episode.number = number;
   episode.weights_version = snapshot.version;
   const std::int32_t horizon = config.environment().horizon();
-  RandomStream random(RandomPurpose::kEvaluate, 99, number, 0);
+  numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 99, number, 0);
   for (std::int32_t t = 0; t <= horizon; ++t) {
     for (int i = 0; i < test::kObservationSize; ++i) {
       // Dimensions 11..17 are constant zeros, as in Meta-World.
@@ -53,7 +53,7 @@ inline Episode SyntheticEpisode(const RunConfig& config, const PolicySnapshot& s
     }
     if (t == horizon) break;
     const float* row = episode.observation.data() + std::size_t(t) * test::kObservationSize;
-    const Policy::Decision decision = policy.Act(schedule, row, t, noise.At(t));
+    const policy::Policy::Decision decision = policy.Act(schedule, row, t, noise.At(t));
     float cost = 0;
     for (int i = 0; i < test::kActionSize; ++i) {
       const float action = decision.action[i];

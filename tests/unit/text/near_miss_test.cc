@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metronome {
+namespace metronome::text {
 namespace {
 
 const std::vector<std::string> kTasks = {"assembly", "bin-picking", "box-close", "push"};
@@ -45,4 +45,4 @@ TEST(NearMissTest, MessageNamesTheNearMissAndTheList) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::text

@@ -15,7 +15,7 @@
 #include "learner/watch/status_text.h"
 #include "tests/integration/dds_fixture.h"
 
-namespace metronome {
+namespace metronome::watch {
 namespace {
 
 using ::testing::ElementsAre;
@@ -77,35 +77,36 @@ TEST(FollowTest, ALearnerIsFollowedToItsEndAndLostOnesOfBeforeDoNotMatter) {
   const Ending ending =
       Show(ScriptedBus({StatusOf(1, 1), LearnerLost{1}, StatusOf(2, 2), std::nullopt,
                         LearnerLost{1}, StatusOf(2, 2, LearnerStatus::State::kFinished)}));
-  EXPECT_EQ(ending.code, kExitFinished);
+  EXPECT_EQ(ending.code, process::kExitFinished);
   EXPECT_EQ(ending.shown, 2U);
 }
 
 TEST(FollowTest, ALearnerThatIsLostWhileItIsFollowedEndsIt) {
-  EXPECT_EQ(Show(ScriptedBus({StatusOf(1, 1), std::nullopt, LearnerLost{1}})).code, kExitNoLearner);
+  EXPECT_EQ(Show(ScriptedBus({StatusOf(1, 1), std::nullopt, LearnerLost{1}})).code,
+            process::kExitNoLearner);
 }
 
 // It is not said twice that a learner is gone.
 TEST(FollowTest, ALearnerThatIsLostBeforeItIsFollowedEndsIt) {
   const ScriptedBus lost({StatusOf(1, 1), LearnerLost{1}, std::nullopt});
   const Ending ending = Show(lost);
-  EXPECT_EQ(ending.code, kExitNoLearner);
+  EXPECT_EQ(ending.code, process::kExitNoLearner);
   EXPECT_EQ(ending.shown, 1U);
-  EXPECT_EQ(Show(lost, {true, false}).code, kExitFinished) << "it was heard";
+  EXPECT_EQ(Show(lost, {true, false}).code, process::kExitFinished) << "it was heard";
 }
 
 TEST(FollowTest, ALearnerThatIsHeardAgainIsNotLost) {
   EXPECT_EQ(Show(ScriptedBus({StatusOf(1, 1), LearnerLost{1}, StatusOf(1, 1), std::nullopt,
                               StatusOf(1, 1, LearnerStatus::State::kStopped)}))
                 .code,
-            kExitFinished);
+            process::kExitFinished);
 }
 
 TEST(FollowTest, ALearnerThatSaidItsLastWordsIsNotLost) {
   EXPECT_EQ(Show(ScriptedBus({StatusOf(1, 1, LearnerStatus::State::kStopped), LearnerLost{1},
                               std::nullopt}))
                 .code,
-            kExitFinished);
+            process::kExitFinished);
 }
 
 LearnerStatus OfAge(double seconds, LearnerStatus status) {
@@ -148,4 +149,4 @@ TEST(FollowTest, ASilentLearnerIsShownAgainWithItsAge) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::watch

@@ -12,7 +12,7 @@
 #include "learner/watch/status_text.h"
 #include "tests/integration/dds_fixture.h"
 
-namespace metronome {
+namespace metronome::watch {
 namespace {
 
 using Labels = std::map<std::string, std::string>;
@@ -103,4 +103,4 @@ TEST(PrometheusMetricsTest, WhoHasLeftHasNoSeries) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::watch

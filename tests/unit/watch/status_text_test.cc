@@ -6,7 +6,7 @@
 
 #include "tests/integration/dds_fixture.h"
 
-namespace metronome {
+namespace metronome::watch {
 namespace {
 
 bool Contains(const std::string& text, const std::string& part) {
@@ -66,4 +66,4 @@ TEST(StatusTextTest, JsonHasTheseNamesInThisOrder) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::watch

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace metronome {
+namespace metronome::collect::orders {
 namespace {
 
 using Standing = NumberBook::Claim::Standing;
@@ -110,4 +110,4 @@ TEST(NumberBookTest, BadRulesAreRefused) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::collect::orders

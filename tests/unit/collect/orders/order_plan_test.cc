@@ -9,7 +9,7 @@
 #include <random>
 #include <set>
 
-namespace metronome {
+namespace metronome::collect::orders {
 namespace {
 
 using std::chrono::milliseconds;
@@ -46,7 +46,7 @@ Numbers AllNumbers(const std::vector<Assignment>& plan) {
 
 /// The plan and what it works on, as the collector uses them.
 struct Orders {
-  explicit Orders(const OrderRules& order_rules, const TrustRules& trust_rules = {})
+  explicit Orders(const OrderRules& order_rules, const collect::trust::TrustRules& trust_rules = {})
       : rules(order_rules), trust(trust_rules, {}), book(rules), plan(rules, &book, &trust) {}
 
   void Join(std::uint64_t actor, const std::string& host, std::uint32_t slots,
@@ -76,7 +76,7 @@ struct Orders {
   }
 
   OrderRules rules;
-  Trust trust;
+  collect::trust::Trust trust;
   NumberBook book;
   OrderPlan plan;
 };
@@ -289,7 +289,7 @@ TEST(OrderPlanTest, AnActorThatWasMerelySlowWorksOnOnceItSpeaks) {
 }
 
 TEST(OrderPlanTest, WhatIsLateIsAskedEvenOfAnActorThatRests) {
-  TrustRules trust;
+  collect::trust::TrustRules trust;
   trust.first_rest = milliseconds(50000);
   Orders orders(Rules(2, 1), trust);
   orders.Join(1, "hangs", 1, At(0));
@@ -334,7 +334,7 @@ TEST(OrderPlanTest, ASuddenSlownessOfEverybodyDoesNotBuryThemUnderRepeatedOrders
 }
 
 TEST(OrderPlanTest, AnActorThatIsNotTrustedYetIsAskedOnlyIfNobodyElseIsThere) {
-  TrustRules trust;
+  collect::trust::TrustRules trust;
   trust.flaps.allowed = 0;
   trust.flaps.first = milliseconds(5000);
   Orders orders(Rules(8, 1), trust);
@@ -515,7 +515,7 @@ class Simulation {
 
   std::mt19937 random_;
   OrderRules rules_;
-  TrustRules trust_;
+  collect::trust::TrustRules trust_;
   Orders* orders_ = nullptr;
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   std::map<std::uint64_t, int> accepted_;
@@ -537,4 +537,4 @@ TEST(OrderPlanTest, WhateverActorsDoEachNumberIsAcceptedExactlyOnceAndTheRunEnds
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::collect::orders

@@ -4,7 +4,7 @@
 
 #include "learner/collect/orders/idle_time.h"
 
-namespace metronome {
+namespace metronome::collect::orders {
 namespace {
 
 using std::chrono::milliseconds;
@@ -37,4 +37,4 @@ TEST(IdleTimeTest, TheShareIsOfTheTimeBetweenCalls) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::collect::orders

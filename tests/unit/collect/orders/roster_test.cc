@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metronome {
+namespace metronome::collect::orders {
 namespace {
 
 using std::chrono::milliseconds;
@@ -47,4 +47,4 @@ TEST(RosterTest, TheLeastLoadedIsByOrdersASlot) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::collect::orders

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace metronome {
+namespace metronome::collect::trust {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -132,4 +132,4 @@ TEST(AuditTest, WhatIsDoubtedIsForgottenOnceItIsLearntFrom) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::collect::trust

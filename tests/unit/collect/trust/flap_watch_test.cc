@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metronome {
+namespace metronome::collect::trust {
 namespace {
 
 using std::chrono::milliseconds;
@@ -78,4 +78,4 @@ TEST(FlapWatchTest, OfTooManyFlappingHostsTheOneThatFlappedLongestAgoIsForgotten
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::collect::trust

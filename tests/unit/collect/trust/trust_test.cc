@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metronome {
+namespace metronome::collect::trust {
 namespace {
 
 using std::chrono::milliseconds;
@@ -76,4 +76,4 @@ TEST(TrustTest, AnActorThatIsGoneIsForgottenButNotItsHost) {
 }
 
 }  // namespace
-}  // namespace metronome
+}  // namespace metronome::collect::trust
