@@ -13,9 +13,9 @@ inline std::string Framed(const std::string& payload) {
   const auto raw = [](auto value) {
     return std::string(reinterpret_cast<const char*>(&value), sizeof value);
   };
-  const std::string head = "METRCKPT" + raw(std::uint32_t{kCheckpointFormat}) +
+  const std::string head = "METRCKPT" + raw(std::uint32_t{checkpoint::kCheckpointFormat}) +
                            raw(static_cast<std::uint64_t>(payload.size()));
-  const Sha256Digest digest = Sha256(head + payload);
+  const process::Sha256Digest digest = process::Sha256(head + payload);
   return head + std::string(digest.begin(), digest.end()) + payload;
 }
 

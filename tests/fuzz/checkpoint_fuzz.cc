@@ -12,10 +12,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
   if ((data[0] & 1) != 0) bytes = metronome::fuzz::Framed(bytes);
   try {
-    const metronome::Checkpoint checkpoint =
-        metronome::DecodeCheckpoint(bytes, "fuzz", metronome::test::Describe);
-    (void)metronome::EncodeCheckpoint(checkpoint);
-  } catch (const metronome::CheckpointError&) {
+    const metronome::checkpoint::Checkpoint checkpoint =
+        metronome::checkpoint::DecodeCheckpoint(bytes, "fuzz", metronome::test::Describe);
+    (void)metronome::checkpoint::EncodeCheckpoint(checkpoint);
+  } catch (const metronome::checkpoint::CheckpointError&) {
   }
   return 0;
 }

@@ -8,26 +8,27 @@
 
 namespace {
 
-using metronome::ConfigError;
+using metronome::config::ConfigError;
 
 void Text(const std::string& text) {
-  metronome::RunConfig config = metronome::ParseConfigText(text, "fuzz").config;
-  metronome::CompleteSpec(config, metronome::test::Describe);
-  config = metronome::Resolve(config);
-  metronome::Validate(config);
+  metronome::RunConfig config = metronome::config::ParseConfigText(text, "fuzz").config;
+  metronome::config::CompleteSpec(config, metronome::test::Describe);
+  config = metronome::config::Resolve(config);
+  metronome::config::Validate(config);
   // What passes is printed and read again on resuming.
-  metronome::Validate(metronome::ParseConfigText(metronome::PrintConfig(config), "again").config);
+  metronome::config::Validate(
+      metronome::config::ParseConfigText(metronome::config::PrintConfig(config), "again").config);
 }
 
 void Settings(const std::string& text) {
-  metronome::ConfigDraft draft;
+  metronome::config::ConfigDraft draft;
   draft.SetFromArgument(text);
   (void)draft.Finish(metronome::test::Describe);
 }
 
 void Bytes(const std::string& bytes) {
   metronome::RunConfig config;
-  if (config.ParseFromString(bytes)) metronome::Validate(config);
+  if (config.ParseFromString(bytes)) metronome::config::Validate(config);
 }
 
 }  // namespace

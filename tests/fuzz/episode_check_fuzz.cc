@@ -20,12 +20,12 @@ RunConfig SmallRun() {
   config.mutable_environment()->set_horizon(kHorizon);
   config.mutable_policy()->set_heads(2);
   config.mutable_policy()->add_hidden(8);
-  return Resolve(config);
+  return config::Resolve(config);
 }
 
 PolicySnapshot SomeSnapshot(const RunConfig& config) {
   PolicySnapshot snapshot;
-  snapshot.parameters.assign(ActorLayout(ShapeOf(config)).size, 0.01F);
+  snapshot.parameters.assign(policy::ActorLayout(policy::ShapeOf(config)).size, 0.01F);
   snapshot.observation_mean.assign(test::kObservationSize, 0);
   snapshot.observation_inv_std.assign(test::kObservationSize, 1);
   return snapshot;
@@ -75,8 +75,8 @@ Episode EpisodeOf(Input input) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const metronome::RunConfig config = metronome::SmallRun();
-  static metronome::Policy policy(config, metronome::SomeSnapshot(config));
+  static metronome::policy::Policy policy(config, metronome::SomeSnapshot(config));
   const auto episode = metronome::EpisodeOf(metronome::Input(data, size));
-  (void)metronome::CheckEpisode(episode, policy, config, 1);
+  (void)metronome::algorithm::CheckEpisode(episode, policy, config, 1);
   return 0;
 }

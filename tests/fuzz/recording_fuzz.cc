@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const int file = memfd_create("recording", MFD_CLOEXEC);
   if (file < 0 || write(file, data, size) != static_cast<ssize_t>(size)) std::abort();
   try {
-    (void)metronome::ReadRecording("/proc/self/fd/" + std::to_string(file));
+    (void)metronome::replay::ReadRecording("/proc/self/fd/" + std::to_string(file));
   } catch (const std::invalid_argument&) {
   }
   close(file);

@@ -42,7 +42,7 @@ RunConfig SmallRun() {
   test::SetTask(config, "push");
   config.mutable_policy()->set_heads(2);
   config.mutable_policy()->add_hidden(4);
-  return Resolve(config);
+  return config::Resolve(config);
 }
 
 void WriteWire(const Corpus& corpus) {
@@ -65,15 +65,15 @@ void WriteWire(const Corpus& corpus) {
 
 void WriteFiles(const Corpus& corpus) {
   const RunConfig config = SmallRun();
-  Checkpoint checkpoint;
+  checkpoint::Checkpoint checkpoint;
   checkpoint.config = config;
   checkpoint.engine = "mujoco-0.0.0";
-  checkpoint.state = MakePpoFactory()->InitialState(config, nullptr);
-  const std::string whole = EncodeCheckpoint(checkpoint);
+  checkpoint.state = ppo::MakePpoFactory()->InitialState(config, nullptr);
+  const std::string whole = checkpoint::EncodeCheckpoint(checkpoint);
   constexpr std::size_t kPayloadAt = 52;  // common/README.md
   corpus.Write("checkpoint", "whole", '\0' + whole);
   corpus.Write("checkpoint", "payload", '\1' + whole.substr(kPayloadAt));
-  corpus.Write("config", "text", '\0' + PrintConfig(config));
+  corpus.Write("config", "text", '\0' + config::PrintConfig(config));
   corpus.Write("config", "setting", "\1policy.hidden=64,64");
   corpus.Write("config", "bytes", '\2' + config.SerializeAsString());
 }
