@@ -67,7 +67,7 @@ def _parser():
         description="Learns a task on this machine: a learner and actors as child processes, after "
         "setting up if needed. Ctrl-C stops all with a checkpoint; --resume goes on.",
         epilog="All other options go to the learner: --heads, --steps, --seed, --config, --set, --network, "
-        "... are listed below, or, before set-up, in README.md. Results are kept in runs/NAME/. More "
+        "... are listed below, or, before set-up, in deploy/options.md. Results are kept in runs/NAME/. More "
         "machines join with: build/bin/metronome-actor run --run NAME --network lan",
     )
     parser.add_argument("-h", "--help", action="store_true", help="show this and end")

@@ -199,7 +199,7 @@ class Session:
         self._view.note(
             f"no actor has joined after {waited:.0f} s: see {folder}/learner.log and {actors}. Causes "
             "are a --run, --domain, --transport, --network or engine other than the learner's, "
-            "and firewalls (deploy/README.md)"
+            "and firewalls (deploy/machines.md)"
         )
         for actor in self._actors[:1]:
             self._view.note(f"the last lines of {shown(actor.log)}:\n{logs.tail(actor.log, 3)}")

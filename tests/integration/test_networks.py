@@ -81,7 +81,7 @@ def server_way(stage, network):
 
 @contextlib.contextmanager
 def firewall(network, domain, way):
-    """Lets the ports of deploy/README.md through and no others."""
+    """Lets the ports of deploy/machines.md through and no others."""
     base = 7400 + 250 * domain
     learner, server, actor = (network.hosts[name].port for name in ("learner", "server", "a"))
     if way == "tcp":
