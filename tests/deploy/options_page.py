@@ -4,6 +4,7 @@
 METRONOME_BUILD (default: build/) says which programs. Run as a command, it puts the tables into the page.
 """
 
+import functools
 import os
 import re
 import subprocess
@@ -15,6 +16,7 @@ PAGE = ROOT / "deploy" / "options.md"
 OPTION = re.compile(r" {2,}(-.*?)(?: {2,}(.*))?")
 
 
+@functools.cache
 def help_of(*command):
     """What `command` --help prints; on wide lines, so that it breaks no word."""
     said = subprocess.run([*command, "--help"], capture_output=True, text=True, check=True,
