@@ -269,7 +269,7 @@ JoinOptions Judge(Typed typed) {
 std::variant<ActorCommand, int> ParseActorCommand(
     int argc, const char* const* argv, const environment::EnvironmentRegistry& registry) {
   CLI::App app("Plays episodes for a Metronome learner, or looks at them.", kProgram);
-  app.set_version_flag("--version", process::ProjectVersion() + " (" + process::EngineName() + ")");
+  app.set_version_flag("--version", process::BuildIdentity() + ", " + process::EngineName());
   app.footer("metronome-actor COMMAND --help says more of a command.");
   Typed typed;
   const TaskOption task(registry);

@@ -1,14 +1,15 @@
 #include "actor/metaworld/assets.h"
 
 #include <cstdlib>
+#include <filesystem>
 
-// CMakeLists.txt defines METRONOME_SOURCE_DIR.
 namespace metronome::metaworld {
 
 std::string DefaultAssetsPath() {
   const char* given = std::getenv("METRONOME_ASSETS");
   if (given != nullptr && *given != '\0') return given;
-  return METRONOME_SOURCE_DIR "/.cache/metaworld-3.1.1/assets";
+  const auto program = std::filesystem::read_symlink("/proc/self/exe");
+  return program.parent_path().parent_path() / "share/metronome/metaworld";
 }
 
 }  // namespace metronome::metaworld

@@ -4,8 +4,9 @@
 
 namespace metronome::metaworld {
 
-/// Folder of the official scene files: $METRONOME_ASSETS if set, else the place under the source
-/// tree where deploy/setup unpacks them. Not checked for existence. Thread-safe.
+/// Folder of the official scene files: $METRONOME_ASSETS if set, else ../share/metronome/metaworld
+/// beside the running program's folder, which a build links to what deploy/setup unpacks. Not
+/// checked for existence. Thread-safe.
 std::string DefaultAssetsPath();
 
 }  // namespace metronome::metaworld

@@ -21,6 +21,4 @@ std::string BuildIdentity() {
          std::to_string(EIGEN_MINOR_VERSION) + ", glibc " + gnu_get_libc_version();
 }
 
-std::string ProjectVersion() { return METRONOME_VERSION; }
-
 }  // namespace metronome::process

@@ -9,9 +9,12 @@ sys.path.insert(1, str(Path(__file__).resolve().parents[1] / "launcher"))
 
 import cores  # noqa: E402
 import folders  # noqa: E402
+import place  # noqa: E402
 import roles  # noqa: E402
 import terminal  # noqa: E402
 from authority import FOLDER, STAGED, Authority, Refused  # noqa: E402
+
+NAME = place.called("security")
 
 
 def _name(text):
@@ -34,7 +37,7 @@ def _whole(low, high):
 
 def _parser():
     parser = argparse.ArgumentParser(
-        prog="deploy/security",
+        prog=NAME,
         allow_abbrev=False,
         description="Makes what the participants of a secured run need: in DIR a folder each for the "
         "learner, an observer and the actors, to be copied to their machines and named there by "
@@ -133,7 +136,7 @@ if __name__ == "__main__":
     try:
         sys.exit(main())
     except (Refused, OSError) as error:
-        sys.exit(f"deploy/security: {error}")
+        sys.exit(f"{NAME}: {error}")
     except KeyboardInterrupt:
-        print("deploy/security: stopped; the same command goes on", file=sys.stderr)
+        print(f"{NAME}: stopped; the same command goes on", file=sys.stderr)
         sys.exit(130)

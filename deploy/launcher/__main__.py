@@ -15,7 +15,7 @@ def main():
     options = command_line.parse(sys.argv[1:])
     warning = command_line.warning(options)
     if warning:
-        print(f"deploy/train: {warning}", file=sys.stderr)
+        print(f"{command_line.NAME}: {warning}", file=sys.stderr)
     if options.build is None:
         options.build = builds.set_up(options.mujoco)
     if options.security is not None:

@@ -1,6 +1,7 @@
 """Folders that a person names: what can be said of them before anything is written."""
 
 import os
+import shutil
 import stat
 from pathlib import Path
 
@@ -12,6 +13,12 @@ def shown(path):
     except OSError:  # the current folder was removed
         return str(path)
     return str(path) if relative.startswith("..") else relative
+
+
+def typed(program):
+    """shown(program), or its name alone where that is enough for a shell."""
+    found = shutil.which(program.name)
+    return program.name if found and os.path.exists(program) and os.path.samefile(found, program) else shown(program)
 
 
 def absolute(path):

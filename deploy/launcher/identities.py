@@ -4,7 +4,8 @@ import os
 import sys
 
 import children
-from options import ROOT, given
+import place
+from options import given
 
 
 def make_missing(options):
@@ -13,7 +14,7 @@ def make_missing(options):
     folder = options.security
     if os.path.exists(folder / "learner") and not os.path.exists(folder / "authority"):
         return  # copied here without what could make more; the processes name what they lack
-    command = [ROOT / "deploy" / "security", folder, "--run", options.run]
+    command = [place.command("security"), folder, "--run", options.run]
     command += ["--actors", options.actors]
     domain = given(options, "--domain")
     command += [] if domain is None else ["--domain", domain]

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import cores
 import folders
+import place
 
-ROOT = Path(__file__).resolve().parents[2]
+NAME = place.called("train")
 # Options without a value: the launcher's own, then those of the learner that may stand before TASK.
 FLAGS = ("-h", "--help", "--resume", "--new-total")
 # Options of the learner that the launcher itself sets, to read what the learner says.
@@ -52,6 +53,16 @@ def _one_of(names):
     return parse
 
 
+def _engine(text):
+    """An argparse type. Of installed programs there is one engine."""
+    engine = _one_of(("2.2.2", "3.3.0"))(text)
+    if place.ENGINE not in (None, engine):
+        raise argparse.ArgumentTypeError(
+            f"the installed programs have MuJoCo {place.ENGINE}, not {engine}: that engine has a package of its own"
+        )
+    return engine
+
+
 def _run_name(text):
     if not RUN_NAME.fullmatch(text):
         raise argparse.ArgumentTypeError(f"'{text}' cannot name a run: {RUN_NAME_RULE}")
@@ -59,23 +70,24 @@ def _run_name(text):
 
 
 def _parser():
+    checkout, actor = place.CHECKOUT, "build/bin/metronome-actor" if place.CHECKOUT else "metronome-actor"
     parser = argparse.ArgumentParser(
-        prog="deploy/train",
-        usage="deploy/train [TASK] [OPTION...]",
+        prog=NAME,
+        usage=f"{NAME} [TASK] [OPTION...]",
         add_help=False,
         allow_abbrev=False,
-        description="Learns a task on this machine: a learner and actors as child processes, after "
-        "setting up if needed. Ctrl-C stops all with a checkpoint; --resume goes on.",
+        description="Learns a task on this machine: a learner and actors as child processes"
+        f"{', after setting up if needed' * checkout}. Ctrl-C stops all with a checkpoint; --resume goes on.",
         epilog="All other options go to the learner: --heads, --steps, --seed, --config, --set, --network, "
-        "... are listed below, or, before set-up, in deploy/options.md. Results are kept in runs/NAME/. More "
-        "machines join with: build/bin/metronome-actor run --run NAME --network lan",
+        f"... are listed below{', or, before set-up, in deploy/options.md' * checkout}. Results are kept in runs/NAME/. More "
+        f"machines join with: {actor} run --run NAME --network lan",
     )
     parser.add_argument("-h", "--help", action="store_true", help="show this and end")
     parser.add_argument(
         "task",
         metavar="TASK",
         nargs="?",
-        help="what `build/bin/metronome-actor environment` lists, push say (-v2 and -v3 mean the same); "
+        help=f"what `{actor} environment` lists, push say (-v2 and -v3 mean the same); "
         "may be left to --config",
     )
     parser.add_argument(
@@ -104,8 +116,8 @@ def _parser():
     )
     parser.add_argument(
         "--mujoco",
-        type=_one_of(("2.2.2", "3.3.0")),
-        default="2.2.2",
+        type=_engine,
+        default=place.ENGINE or "2.2.2",
         help="engine (default %(default)s)",
     )
     parser.add_argument(
@@ -119,14 +131,14 @@ def _parser():
         "--runs",
         type=Path,
         metavar="DIR",
-        default=ROOT / "runs",
-        help="folder of all runs (default: runs/ of this checkout)",
+        default=place.ROOT / "runs" if checkout else Path("runs"),
+        help=f"folder of all runs (default: runs/ of {'this checkout' if checkout else 'the current folder'})",
     )
     parser.add_argument(
         "--build",
         type=Path,
         metavar="DIR",
-        help="use the programs in DIR/bin as they are, without set-up",
+        help=f"use the programs in DIR/bin{' as they are, without set-up' * checkout}",
     )
     return parser
 
@@ -183,7 +195,7 @@ def _require_places(parser, options):
     for name in ("learner", *["actor"] * bool(options.actors)):
         program = options.build and options.build / "bin" / f"metronome-{name}"
         if program and not os.path.isfile(program):
-            parser.error(f"--build: there is no {program}; without --build it is made")
+            parser.error(f"--build: there is no {program}{'; without --build it is made' * place.CHECKOUT}")
 
 
 def _require_run_folder(parser, options):
@@ -212,7 +224,7 @@ def warning(options):
 def _show_help(parser, build):
     """The launcher's options, and the learner's where there is one to ask."""
     print(parser.format_help(), end="", flush=True)
-    learner = (build or ROOT / "build") / "bin" / "metronome-learner"
+    learner = (build or place.BUILD) / "bin" / "metronome-learner"
     if os.path.isfile(learner):
         said = subprocess.run([learner, "run", "--help"], capture_output=True, text=True)
         ours = re.compile(rf" +(-h|--task|--run|--resume|--security|{'|'.join(SET_HERE)})\b")
@@ -227,7 +239,7 @@ def _require_for_learner(parser, options):
         if not word.startswith("-"):
             parser.error(f"unexpected argument '{word}'")
         if name in SET_HERE:
-            parser.error(f"{name} is set by deploy/train itself; leave it out")
+            parser.error(f"{name} is set by {NAME} itself; leave it out")
     # A run gone on with has read its weights; it only compares the name.
     for name in ("--config", *["--from"] * (not options.resume)):
         path = given(options, name)
@@ -249,7 +261,7 @@ def parse(arguments):
         sys.exit(0)
     options.named = options.run is not None
     if options.task is None and given(options, "--config") is None and not options.resume:
-        parser.error("which task? For example: deploy/train push")
+        parser.error(f"which task? For example: {NAME} push")
     _require_for_learner(parser, options)
     if options.resume and not options.named:
         parser.error("--resume needs --run NAME: the run to go on with")
@@ -311,4 +323,4 @@ def resume_command(options):
     """What a person types to go on."""
     words = [word for word in sys.argv[1:] if word != "--resume"]
     words += [] if options.named else ["--run", options.run]
-    return shlex.join([folders.shown(ROOT / "deploy" / "train"), *words, "--resume"])
+    return shlex.join([folders.typed(place.command("train")), *words, "--resume"])

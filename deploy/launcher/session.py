@@ -14,7 +14,7 @@ import children
 import logs
 import options as command_line
 import progress
-from folders import shown
+from folders import shown, typed
 from patience import Patience
 
 RESTARTS = 5  # of one actor, after which it is given up
@@ -78,7 +78,7 @@ class Session:
             self._stop_all()
             self._view.close()
             traceback.print_exc()
-            print("deploy/train: stopped by the fault above, which is its own", file=sys.stderr)
+            print(f"{command_line.NAME}: stopped by the fault above, which is its own", file=sys.stderr)
             if self._started:
                 again = command_line.resume_command(self._options)
                 print(f"  go on       {again}", file=sys.stderr)
@@ -167,7 +167,7 @@ class Session:
             self._patience.end()
         if not self._options.actors:
             self._view.note(
-                "no actor here: start them with build/bin/metronome-actor run --run "
+                f"no actor here: start them with {typed(self._options.build / 'bin' / 'metronome-actor')} run --run "
                 f"{self._options.run}"
             )
 
@@ -262,16 +262,16 @@ class Session:
             for line in self._early[self._shown or 0 :]:
                 print(line.decode(errors="surrogateescape"), file=sys.stderr)
             if not self._early:
-                print(f"deploy/train: the learner ended with {_ending(code)}", file=sys.stderr)
+                print(f"{command_line.NAME}: the learner ended with {_ending(code)}", file=sys.stderr)
             return _exit_code(code)
         if self._failed:
             print(
-                "deploy/train: no actor stays up, so the run was stopped (see above)",
+                f"{command_line.NAME}: no actor stays up, so the run was stopped (see above)",
                 file=sys.stderr,
             )
         elif code != 0 and not stopped:
             print(
-                f"deploy/train: the learner ended with {_ending(code)}; its last lines:",
+                f"{command_line.NAME}: the learner ended with {_ending(code)}; its last lines:",
                 file=sys.stderr,
             )
             print(logs.tail(options.folder / "logs" / "learner.log"), file=sys.stderr)
@@ -290,7 +290,7 @@ class Session:
         print(f"  curves      {shlex.join(['tensorboard', '--logdir', shown(folder)])}")
         newest = f" -> {os.readlink(latest)}" if latest.is_symlink() else ""
         print(f"  checkpoint  {shown(latest)}{newest}")
-        evaluate = [shown(options.build / "bin" / "metronome-actor"), "evaluate"]
+        evaluate = [typed(options.build / "bin" / "metronome-actor"), "evaluate"]
         # The one placement that the run knows.
         where = ["--placements", "fixed"] if self._started.get("placements") == "fixed" else []
         print(f"  evaluate    {shlex.join([*evaluate, '--checkpoint', shown(latest), *where])}")
