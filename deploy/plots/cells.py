@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from names import meant
+
 PROGRESS = ("steps", "return", "success", "success_end", "wall_seconds")
 EVALUATION = ("steps", "success", "success_end", "return", "time_to_success")
 MAY_BE_EMPTY = {"time_to_success"}
@@ -26,7 +28,7 @@ class Cell:
 
     experiment: str
     task: str
-    arm: str
+    arm: str  # what it means (names.meant), whatever the experiment's file calls it
     seed: int
     method: str
     heads: int
@@ -135,7 +137,7 @@ def read_cell(folder):
     if not len(progress["steps"]):
         raise ResultsError(f"{folder}/progress.csv has no rows")
     return Cell(
-        experiment=folder.parent.name, task=run["task"], arm=run["arm"], seed=run["seed"],
+        experiment=folder.parent.name, task=run["task"], arm=meant(run["arm"]), seed=run["seed"],
         method=run["method"], heads=run["heads"],
         horizon=_read_horizon(folder / "config.textproto"), progress=progress,
         evaluations=_read_evaluations(folder / "evaluation.csv"))

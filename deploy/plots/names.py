@@ -1,14 +1,11 @@
 """What experiments, tasks and arms are called and drawn as, and in which order they stand.
 
-The only place to touch for a nicer name or colour; what is not named here is drawn all the same, under
-its own name, after those that are. Colours are those of Okabe and Ito, which the colour-blind can tell
-apart.
+The only place to touch for a new arm. One arm has one label and one colour in every figure, and no other arm has that
+colour; arms that meet in a figure can be told apart by the colour-blind too (tests/figures/test_drawing.py). An arm that
+is not named here is drawn all the same, under its own name, after those that are.
 """
 
 from dataclasses import dataclass
-
-BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
-PURPLE, ORANGE, SKY, BLACK = "#CC79A7", "#E69F00", "#56B4E9", "#000000"
 
 
 @dataclass(frozen=True)
@@ -19,31 +16,36 @@ class Look:
 
 
 ARMS = {
-    "multihead": Look("multi-head", BLUE),
-    "correlated": Look("multi-head, k = 10, correlated noise", ORANGE),
-    "correlated-k50": Look("multi-head, k = 50, correlated noise", ORANGE, "--"),
-    "success-reward": Look("multi-head, k = 10, success rewarded by 10", PURPLE),
-    "success-reward-25": Look("multi-head, k = 10, success rewarded by 25", GREEN),
-    "one-configuration": Look("multi-head, k = 10, as on assembly", SKY),
-    "ppo-success-reward-25": Look("PPO, success rewarded by 25", VERMILION),
-    "ppo": Look("PPO", VERMILION),
-    "ppo-time": Look("PPO + time", GREEN),
-    "ppo-matched": Look("PPO, equal parameter count", ORANGE),
-    "interleaved": Look("heads interleaved (t mod k)", PURPLE),
-    "shuffled": Look("heads shuffled over time", SKY),
-    "shared-critic": Look("one critic for all heads", ORANGE, "--"),
-    "bootstrap": Look("bootstrap at the horizon", BLACK),
-    "k2": Look("k = 2", "#440154"),
-    "k5": Look("k = 5", "#3B528B"),
-    "k10": Look("k = 10", "#21918C"),
-    "k20": Look("k = 20", "#5EC962"),
-    "k50": Look("k = 50", "#E3B505"),
-    "t100-k20": Look("T = 100: multi-head, k = 20", BLUE, "--"),
-    "t100-ppo": Look("T = 100: PPO", VERMILION, "--"),
-    "t100-ppo-time": Look("T = 100: PPO + time", GREEN, "--"),
+    "multihead": Look("multi-head", "#0072B2"),
+    "correlated": Look("multi-head, k = 10, correlated noise", "#20B2AA"),
+    "correlated-k50": Look("multi-head, k = 50, correlated noise", "#E15759", "--"),
+    "success-reward": Look("multi-head, k = 10, success rewarded by 10", "#E3B505"),
+    "success-reward-25": Look("multi-head, k = 10, success rewarded by 25", "#882255"),
+    "ppo-success-reward-25": Look("PPO, success rewarded by 25", "#6B4E16"),
+    "ppo": Look("PPO", "#D55E00"),
+    "ppo-time": Look("PPO + time", "#009E73"),
+    "ppo-matched": Look("PPO, equal parameter count", "#661100"),
+    "interleaved": Look("heads interleaved (t mod k)", "#937860"),
+    "shuffled": Look("heads shuffled over time", "#2F4F4F"),
+    "shared-critic": Look("one critic for all heads", "#440154", "--"),
+    "bootstrap": Look("bootstrap at the horizon", "#A5AA99"),
+    "k2": Look("multi-head, k = 2", "#8C564B"),
+    "k5": Look("multi-head, k = 5", "#DDCC77"),
+    "k20": Look("multi-head, k = 20", "#DA8BC3"),
+    "k50": Look("multi-head, k = 50", "#332288"),
+    "t100-k20": Look("T = 100: multi-head, k = 20", "#88CCEE", "--"),
+    "t100-ppo": Look("T = 100: PPO", "#F28E2B", "--"),
 }
-_SPARE = (PURPLE, ORANGE, SKY, BLACK, BLUE, VERMILION, GREEN)
+# Arms that are another one by their settings, on other tasks: drawn and called as that one.
+_SAME = {"one-configuration": "success-reward-25"}
+# Of arms that are not named here; no arm above has one of these colours.
+_SPARE = ("#CC79A7", "#7A9A01", "#5E4FA2", "#00B8D4", "#FF6F91")
 _LINES = ("-", "--", "-.", ":")
+
+
+def meant(arm):
+    """@return the arm that an experiment's arm of this name is."""
+    return _SAME.get(arm, arm)
 
 
 def in_order(found, known):
@@ -61,13 +63,11 @@ def arms_of(cells):
 
 
 def look_of(arm, arms):
-    """@param arms  all that are drawn together, so that each gets another look."""
+    """@param arms  all that are drawn together, so that each that is not named here gets another look."""
     if arm in ARMS:
         return ARMS[arm]
-    taken = {(ARMS[name].colour, ARMS[name].line) for name in arms if name in ARMS}
-    free = [(colour, line) for line in _LINES for colour in _SPARE if (colour, line) not in taken]
     i = [name for name in arms if name not in ARMS].index(arm)
-    return Look(arm, *free[i % len(free)])
+    return Look(arm, _SPARE[i % len(_SPARE)], _LINES[i // len(_SPARE) % len(_LINES)])
 
 
 def label_of(arm, cells):

@@ -298,8 +298,9 @@ def control_differences(experiments):
     found, rows = controls.pairs(experiments), []
     for arm in names.in_order({arm for arm, *_ in found}, names.ARMS):
         own = [row for row in found if row[0] == arm]
-        label, less = (names.look_of(name, [name]).label for name in own[0][:2])
-        rows += [[label, less, *row] for row in _difference_rows([row[2:] for row in own])]
+        arm, less, _, cells, against = own[0]
+        labels = [names.label_of(arm, cells), names.label_of(less, against)]
+        rows += [[*labels, *row] for row in _difference_rows([row[2:] for row in own])]
     return _difference_table([" control", " less"], rows)
 
 

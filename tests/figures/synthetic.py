@@ -66,29 +66,6 @@ def main_experiment(results, seeds=5, tasks=TASKS, **options):
                 cell(results, "main", task, arm, seed, method=method, heads=heads, level=level, **options)
 
 
-def everything(results):
-    """All four experiments, with gaps, and one that nobody knows."""
-    main_experiment(results, updates=250, steps_per_update=8000, evaluations=8)
-    for task in TASKS:
-        for k, level in ((2, 0.5), (5, 0.6), (20, 0.7), (50, 0.55)):
-            for seed in (1, 2, 3):
-                cell(results, "heads", task, f"k{k}", seed, heads=k, level=level)
-    controls = {"interleaved": ("multihead", 10, 0.4), "shuffled": ("multihead", 10, 0.55),
-                "ppo-matched": ("ppo", 1, 0.5), "shared-critic": ("multihead", 10, 0.65),
-                "bootstrap": ("multihead", 10, 0.6), "new-idea": ("multihead", 10, 0.9)}
-    for task in TASKS:
-        for arm, (method, heads, level) in controls.items():
-            for seed in (1, 2, 3, 4)[: 2 if arm == "new-idea" else 4]:
-                cell(results, "controls", task, arm, seed, method=method, heads=heads, level=level)
-        for arm, method, level in (("t100-k20", "multihead", 0.5), ("t100-ppo", "ppo", 0.4)):
-            for seed in (1, 2, 3):
-                cell(results, "controls", task, arm, seed, method=method, level=level, horizon=100)
-        for seed in (1, 2, 3):
-            cell(results, "solve", task, "multihead", seed, level=0.97, updates=200,
-                 steps_per_update=50000, evaluations=20)
-    cell(results, "other", "reach", "some-arm", 1)
-
-
 def exchange(results, task, returns):
     """@param returns  order of heads to mean return."""
     (results / "exchange").mkdir(parents=True, exist_ok=True)

@@ -1,7 +1,12 @@
 """What is compared with what, and that figures come from what is there."""
 
+import importlib.util
+import itertools
+import tomllib
+
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex, to_rgb
 
 import cells
 import estimates
@@ -10,6 +15,7 @@ import scores
 import style
 import synthetic
 import tables
+from conftest import ROOT
 from draw import controls, efficiency, final, heads, learning
 
 
@@ -83,6 +89,101 @@ def test_unknown_arms_get_looks_that_nobody_else_has():
     arms = ["interleaved", "bootstrap", *(f"new-{i}" for i in range(20))]
     looks = [names.look_of(arm, arms) for arm in arms]
     assert len({(look.colour, look.line) for look in looks}) == len(arms)
+    assert not {look.colour for look in looks[2:]} & {look.colour for look in names.ARMS.values()}
+
+
+def every_arm(results):
+    """All arms of the committed experiments, on one task."""
+    for path in sorted((ROOT / "deploy" / "experiments").glob("*.toml")):
+        experiment = tomllib.loads(path.read_text())
+        for arm, settings in experiment["arms"].items():
+            method = settings.get("method", "multihead")
+            synthetic.cell(results, experiment["name"], "push", arm, 1, method=method,
+                           heads=settings.get("heads", 1), horizon=settings.get("horizon", 500), updates=20)
+    return read(results)
+
+
+def all_figures(experiments):
+    """Name to figure, of all that deploy/figures draws of runs."""
+    spec = importlib.util.spec_from_file_location("command", ROOT / "deploy" / "plots" / "__main__.py")
+    command = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(command)
+    made = {name: draw(experiments) for name, draw in command.drawings(experiments, {}).items()}
+    return {name: figure for name, (figure, _) in ((name, each) for name, each in made.items() if each)}
+
+
+def colours_in(ax):
+    """Hex to the heights at which it is drawn; not black, white and greys, which are no arm's."""
+    found = {}
+    for line in ax.lines:
+        colour = to_rgb(line.get_color())
+        if max(colour) - min(colour) > 0.01:
+            found.setdefault(to_hex(colour), set()).update(np.atleast_1d(line.get_ydata()))
+    return found
+
+
+def arms_in(figure):
+    """Label to colour: by the legend, or where the rows have titles by these."""
+    if figure.legends:
+        (legend,) = figure.legends
+        colours = {text.get_text(): to_hex(line.get_color())
+                   for text, line in zip(legend.get_texts(), legend.legend_handles)}
+        colours = {label: colour for label, colour in colours.items() if colour != "#ffffff"}  # published results
+        assert set().union(*map(colours_in, figure.axes)) == set(colours.values())
+        return colours
+    rows = {y: text for y, text in zip(figure.axes[0].get_yticks(), figure.axes[0].get_yticklabels())}
+    titles = {y: text.get_text().split("\n")[0] for y, text in rows.items() if text.get_fontweight() == "bold"}
+    return {titles[min(above for above in titles if above > y)]: colour
+            for colour, heights in colours_in(figure.axes[0]).items() for y in heights if y in rows}
+
+
+@pytest.fixture(scope="module")
+def arms_of_figures(tmp_path_factory):
+    """Name of the figure to label to colour."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(estimates, "RESAMPLES", 20)
+        figures = all_figures(every_arm(tmp_path_factory.mktemp("results")))
+        return {name: arms_in(figure) for name, figure in figures.items()}
+
+
+def test_an_arm_has_one_colour_in_all_figures_and_no_other_arm_has_it(arms_of_figures):
+    colours = {}
+    for name, arms in arms_of_figures.items():
+        for label, colour in arms.items():
+            assert colours.setdefault(label, colour) == colour, f"{label} in {name}"
+    assert len(set(colours.values())) == len(colours), colours
+    # One label an arm: those of the experiments, of which one is another one's on other tasks.
+    assert len(colours) == len(names.ARMS)
+
+
+# Deuteranopia and protanopia (Machado, Oliveira, Fernandes 2009), on linear RGB.
+SEEN = {"by all": np.eye(3),
+        "without green": np.array([[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]]),
+        "without red": np.array([[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]])}
+TO_XYZ = np.array([[0.4339, 0.3762, 0.1899], [0.2127, 0.7152, 0.0722], [0.0178, 0.1095, 0.8727]])  # white is 1, 1, 1
+
+
+def cielab(colour, seen):
+    rgb = np.array(to_rgb(colour))
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    xyz = TO_XYZ @ np.clip(seen @ linear, 0, 1)
+    x, y, z = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+@pytest.mark.parametrize("seen", SEEN)
+def test_colours_that_meet_in_a_figure_can_be_told_apart(arms_of_figures, seen):
+    for name, arms in arms_of_figures.items():
+        for one, other in itertools.combinations(arms, 2):
+            distance = np.linalg.norm(cielab(arms[one], SEEN[seen]) - cielab(arms[other], SEEN[seen]))
+            assert distance > 15, f"{one} and {other} in {name}"  # 2.3 is the least that is seen at all
+
+
+def test_k_equal_to_one_and_ten_are_ppo_and_multihead(tmp_path):
+    figure = all_figures(every_arm(tmp_path))["heads"]
+    colours = {line.get_xdata()[0]: to_hex(line.get_color()) for line in figure.axes[0].lines
+               if len(line.get_xdata()) == 1 and line.get_marker() == "o"}
+    assert (colours[1], colours[10]) == (names.ARMS["ppo"].colour.lower(), names.ARMS["multihead"].colour.lower())
 
 
 def test_known_names_come_first():

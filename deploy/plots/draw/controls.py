@@ -53,7 +53,10 @@ def controls(experiments):
     labels, titles, y = {}, {}, 0.0
     for arm in arms:
         own = [row for row in rows if row[0] == arm]
-        title = _title(arm, own[0][1], arms)
+        _, reference, _, cells, against = own[0]
+        title = names.label_of(arm, cells)
+        if reference != "multihead":
+            title += f"\nless {names.label_of(reference, against)}"
         titles[y - 0.4 * title.count("\n")] = title
         y -= 0.8 * title.count("\n")
         for _, _, task, cells, against in own:
@@ -95,11 +98,6 @@ def _label_rows(ax, labels, titles):
     ax.set_yticks([*labels, *titles], [*labels.values(), *titles.values()])
     for text in ax.get_yticklabels()[len(labels):]:
         text.set_fontweight("bold")
-
-
-def _title(arm, reference, arms):
-    label = names.look_of(arm, arms).label
-    return label if reference == "multihead" else f"{label}\nless {names.look_of(reference, [reference]).label}"
 
 
 def _mark(ax, y, look, cells, against, score):

@@ -28,35 +28,40 @@ def heads(experiments):
     if not tasks:
         return None
     figure, axes = style.grid_of_panels(len(scores.COMPARED), len(tasks), height=2.2, sharex=True)
-    counts = set()
+    arms = names.in_order({cells[0].arm for task in tasks for cells, _ in sweep(experiments, task).values()},
+                          names.ARMS)
+    counts, shown = set(), {}
     for j, task in enumerate(tasks):
         found = sweep(experiments, task)
         for ax, score in zip(axes[:, j], scores.COMPARED):
-            _panel(ax, found, score)
+            _panel(ax, found, arms, score)
             if j == 0:
                 ax.set_ylabel(score.label)
         counts |= {len(cells) for cells, _ in found.values()}
+        shown |= found
         axes[0, j].set_title(task, loc="left")
         style.note(axes[0, j], "n = " + ", ".join(str(len(cells)) for cells, _ in found.values()))
         axes[-1, j].set_xlabel("number of heads k")
-    handles = [style.handle(names.Look("experiment heads", names.BLUE), marker="o", linewidth=0),
-               style.handle(names.Look("experiment main (k = 1: PPO)", names.VERMILION), marker="o", linewidth=0)]
-    style.legend(figure, handles if any(borrowed for task in tasks for _, borrowed
-                                        in sweep(experiments, task).values()) else handles[:1])
+    ordered = [cells for _, (cells, _) in sorted(shown.items())]
+    style.legend(figure, [style.handle(names.look_of(cells[0].arm, arms), names.label_of(cells[0].arm, cells),
+                                       marker="o", linewidth=0) for cells in ordered])
+    borrowed = [f"k = {k}" for k, (_, borrowed) in sorted(shown.items()) if borrowed]
     return figure, (
         f"Return and success at the end of training against the number of heads ({scores.seeds_text(counts)} "
-        "seeds a point; n: from the smallest k on). Interquartile means with 95 % stratified bootstrap "
+        "seeds a point; n: from the smallest k on). PPO is k = 1. "
+        + (f"Runs of experiment main: {' and '.join(borrowed)}. " if borrowed else "")
+        + "Interquartile means with 95 % stratified bootstrap "
         f"intervals ({estimates.RESAMPLES} resamples); small dots: seeds; open dots: fewer than "
         f"{estimates.FEWEST} seeds, no interval.")
 
 
-def _panel(ax, found, score):
+def _panel(ax, found, arms, score):
     means = {}
-    for k, (cells, borrowed) in found.items():
+    for k, (cells, _) in found.items():
         values = list(scores.by_seed(cells, score).values())
         if not values:
             continue
-        look = names.Look("", names.VERMILION if borrowed else names.BLUE)
+        look = names.look_of(cells[0].arm, arms)
         ax.plot([k * 1.1] * len(values), values, ".", color=look.colour, markersize=3.5, alpha=0.5)
         estimate = estimates.iqm([values])
         dot(ax, k, estimate, look, zorder=3)
