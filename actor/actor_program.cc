@@ -36,7 +36,7 @@ client::ActorClientOptions ClientOptions(const JoinOptions& options) {
   client::ActorClientOptions client;
   client.run_name = options.bus.run_name;
   client.domain = options.bus.domain;
-  client.slots = options.envs;
+  client.envs = options.envs;
   client.stay = options.stay;
   if (options.learner_timeout) {
     client.patience = std::chrono::milliseconds(std::llround(*options.learner_timeout * 1000));

@@ -84,7 +84,7 @@ void AddEnvironment(CLI::App& app, Typed& typed) {
 
 void AddRun(CLI::App& app, Typed& typed) {
   CLI::App* run =
-      app.add_subcommand("run", "Join a run: play the episodes that its learner orders");
+      app.add_subcommand("run", "Join a run: play the episodes that its learner assigns");
   run->add_option("--run", typed.run.bus.run_name, "Name of the run")->required();
   run->add_option("--domain", typed.run.bus.domain, "DDS domain, 0 to 232")
       ->transform(text::Number<std::uint32_t>(0, 232))
@@ -170,9 +170,10 @@ void AddPlacementsOf(CLI::App& command, std::uint64_t& seed, std::string& placem
       ->check(OneOf("placements", {"random", "fixed", "mt1"}))
       ->capture_default_str();
   command
-      .add_option("--seed", seed,
-                  "Seed of random and mt1 placements, and of the orders of shuffled heads; a fixed "
-                  "placement is the same for all")
+      .add_option(
+          "--seed", seed,
+          "Seed of random and mt1 placements, and of the permutations of shuffled heads; a fixed "
+          "placement is the same for all")
       ->transform(text::Number<std::uint64_t>())
       ->capture_default_str();
 }

@@ -92,7 +92,8 @@ std::optional<ActorEnd> ActorClient::Handle(ActorEvent event) {
   if (auto* description = std::get_if<RunDescription>(&event)) {
     return HandleDescription(std::move(*description));
   }
-  if (auto* order = std::get_if<EpisodeOrder>(&event)) return HandleOrder(*order);
+  if (auto* assignment = std::get_if<EpisodeAssignment>(&event))
+    return HandleAssignment(*assignment);
   if (auto* lost = std::get_if<LearnerLost>(&event)) return HandleLost(lost->learner_id);
   if (auto* snapshot = std::get_if<PolicySnapshot>(&event)) {
     book_.Add(std::move(*snapshot));
@@ -173,9 +174,9 @@ std::optional<ActorEnd> ActorClient::Adopt(const RunDescription& description) {
         Deliver(incarnation, std::move(episode));
       },
       [this] { bus_->Wake(); });
-  spdlog::info("joined run '{}' (task {}, engine {}, learner start {}) with {} slot(s)",
+  spdlog::info("joined run '{}' (task {}, engine {}, incarnation {}) with {} env(s)",
                options_.run_name, config_.environment().task(), options_.engine,
-               description.incarnation, options_.slots);
+               description.incarnation, options_.envs);
   book_.Obey(description.incarnation);
   SendStatus();
   QueueReady();
@@ -184,7 +185,7 @@ std::optional<ActorEnd> ActorClient::Adopt(const RunDescription& description) {
 
 RunSetup ActorClient::SetUp(const RunConfig& config) const {
   try {
-    return set_up_run_(config, options_.slots);
+    return set_up_run_(config, options_.envs);
   } catch (const std::exception& error) {
     throw SetUpFailed(error.what());
   }
@@ -209,15 +210,15 @@ void ActorClient::LeaveRun() {
   obeyed_.reset();
 }
 
-std::optional<ActorEnd> ActorClient::HandleOrder(const EpisodeOrder& order) {
-  if (order.kind == EpisodeOrder::Kind::kRefuse) {
-    if (obeyed_ && order.incarnation < obeyed_->incarnation) return std::nullopt;
+std::optional<ActorEnd> ActorClient::HandleAssignment(const EpisodeAssignment& assignment) {
+  if (assignment.kind == EpisodeAssignment::Kind::kRefuse) {
+    if (obeyed_ && assignment.incarnation < obeyed_->incarnation) return std::nullopt;
     spdlog::error("the learner of run '{}' refused this actor: {}", options_.run_name,
-                  order.reason);
+                  assignment.reason);
     return ActorEnd::kRefused;
   }
-  if (!book_.Add(order)) {
-    spdlog::warn("dropped an order of {} episodes: {} wait already", order.numbers.size(),
+  if (!book_.Add(assignment)) {
+    spdlog::warn("dropped an assignment of {} episodes: {} wait already", assignment.numbers.size(),
                  book_.held());
   }
   QueueReady();
@@ -230,7 +231,7 @@ void ActorClient::QueueReady() {
   std::erase_if(tasks, [this](const EpisodeTask& task) {
     const auto defect = policy::SnapshotDefect(*task.snapshot, config_);
     if (!defect) return false;
-    spdlog::warn("dropped the order of episode {}: snapshot {} cannot be acted with: {}",
+    spdlog::warn("dropped the assignment of episode {}: snapshot {} cannot be acted with: {}",
                  task.number, task.snapshot->version, *defect);
     return true;
   });
@@ -243,7 +244,7 @@ void ActorClient::Deliver(std::uint64_t incarnation, Episode episode) {
   message.actor_id = options_.actor_id;
   message.episode = std::move(episode);
   if (bus_->Send(std::move(message)) == ActorBus::SendResult::kSent) ++episodes_done_;
-  // Without a learner the episode is dropped: it will be ordered again.
+  // Without a learner the episode is dropped: it will be reassigned.
 }
 
 void ActorClient::StartWaiting(const std::string& cause) {
@@ -285,7 +286,7 @@ void ActorClient::SendStatus() {
   status.engine = options_.engine;
   status.build = options_.build;
   status.canonical_digest = canonical_digest_;
-  status.slots = static_cast<std::uint32_t>(options_.slots);
+  status.envs = static_cast<std::uint32_t>(options_.envs);
   status.episodes_done = episodes_done_;
   const double passed = Seconds(now - last_status_);
   if (steps > 0) {
@@ -307,12 +308,12 @@ void ActorClient::NoticeIdleness(std::uint64_t steps, Clock::time_point now) {
   if (now < next_idle_notice_ || waiting_since_) return;
   next_idle_notice_ = now + options_.idle_notice_every;
   if (book_.held() > 0) {
-    spdlog::info("idle for {:.0f} s: {} ordered episodes wait for their policy snapshot",
+    spdlog::info("idle for {:.0f} s: {} assigned episodes wait for their policy snapshot",
                  Seconds(now - idle_since_), book_.held());
   } else {
     spdlog::info(
-        "idle for {:.0f} s: the learner of run '{}' is there and has ordered nothing (it updates, "
-        "has fewer episodes than slots, or prefers steadier actors)",
+        "idle for {:.0f} s: the learner of run '{}' is there and has assigned nothing (it updates, "
+        "has fewer episodes than envs, or prefers steadier actors)",
         Seconds(now - idle_since_), options_.run_name);
   }
 }

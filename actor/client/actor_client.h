@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "actor/client/assignment_book.h"
 #include "actor/client/episode_player.h"
-#include "actor/client/order_book.h"
 #include "actor/client/worker_pool.h"
 #include "common/messages/bus.h"
 
@@ -19,12 +19,12 @@ namespace metronome::client {
 struct ActorClientOptions {
   std::string run_name;
   std::uint32_t domain = 0;  // for messages
-  int slots = 1;             // episodes at once, at least 1
+  int envs = 1;              // episodes at once, at least 1
   bool stay = false;         // serve the next run of this name too
   /// How long without a learner, at the start or later; std::nullopt: for ever.
   std::optional<std::chrono::milliseconds> patience = std::chrono::seconds(60);
   std::chrono::milliseconds notice_every = std::chrono::seconds(3);  // while there is no learner
-  std::chrono::milliseconds idle_notice_every = std::chrono::seconds(10);  // without an order
+  std::chrono::milliseconds idle_notice_every = std::chrono::seconds(10);  // without an assignment
   std::chrono::milliseconds status_every = std::chrono::seconds(1);
   // Who this is, for the learner.
   std::uint64_t actor_id = 0;
@@ -47,10 +47,10 @@ enum class ActorEnd {
   kNoLearner,  // patience is over
 };
 
-/// An actor's life: finds the run's learner, plays what it orders, publishes the episodes.
+/// An actor's life: finds the run's learner, plays what it assigns, publishes the episodes.
 ///
 /// Of the learners that are alive and serving it obeys the one of the newest incarnation (ties: the
-/// lower id). A change of learner drops the queue and cancels running episodes. An order waits
+/// lower id). A change of learner drops the queue and cancels running episodes. An assignment waits
 /// until its snapshot is there. What makes no sense is logged and dropped.
 class ActorClient {
  public:
@@ -69,7 +69,7 @@ class ActorClient {
 
   std::optional<ActorEnd> Handle(ActorEvent event);
   std::optional<ActorEnd> HandleDescription(RunDescription description);
-  std::optional<ActorEnd> HandleOrder(const EpisodeOrder& order);
+  std::optional<ActorEnd> HandleAssignment(const EpisodeAssignment& assignment);
   std::optional<ActorEnd> HandleLost(std::uint64_t learner_id);
   std::optional<ActorEnd> Reconsider();
   std::optional<ActorEnd> Adopt(const RunDescription& description);
@@ -101,9 +101,9 @@ class ActorClient {
   Clock::time_point next_status_;
   Clock::time_point last_status_;
   std::uint64_t steps_at_last_status_ = 0;
-  Clock::time_point idle_since_;  // nothing was played or ordered since
+  Clock::time_point idle_since_;  // nothing was played or assigned since
   Clock::time_point next_idle_notice_;
-  OrderBook book_;
+  AssignmentBook book_;
   std::unique_ptr<WorkerPool> workers_;  // of obeyed_
 };
 

@@ -28,11 +28,11 @@ class EpisodePlayer {
 /// What an actor makes when it joins a run.
 struct RunSetup {
   std::string canonical_digest;                         // see ActorStatus
-  std::vector<std::unique_ptr<EpisodePlayer>> players;  // one a slot
+  std::vector<std::unique_ptr<EpisodePlayer>> players;  // one an env
 };
 
-/// Makes `slots` players for a run (seconds: scenes may be loaded). @throws what making them
+/// Makes `envs` players for a run (seconds: scenes may be loaded). @throws what making them
 /// throws.
-using SetUpRun = std::function<RunSetup(const RunConfig& config, int slots)>;
+using SetUpRun = std::function<RunSetup(const RunConfig& config, int envs)>;
 
 }  // namespace metronome::client

@@ -13,7 +13,7 @@ WorkerPool::WorkerPool(std::vector<std::unique_ptr<EpisodePlayer>> players, Deli
       on_failure_(std::move(on_failure)),
       players_(std::move(players)) {
   threads_ = process::StartThreads(
-      players_.size(), [this](std::size_t slot) { Work(*players_[slot]); }, [this] { Cancel(); },
+      players_.size(), [this](std::size_t env) { Work(*players_[env]); }, [this] { Cancel(); },
       "--envs");
 }
 

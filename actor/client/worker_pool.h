@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "actor/client/assignment_book.h"
 #include "actor/client/episode_player.h"
-#include "actor/client/order_book.h"
 
 namespace metronome::client {
 

@@ -29,10 +29,10 @@ class EnvironmentPlayer final : public client::EpisodePlayer {
 }  // namespace
 
 client::SetUpRun SetUpWith(const environment::EnvironmentRegistry& registry) {
-  return [&registry](const RunConfig& config, int slots) {
+  return [&registry](const RunConfig& config, int envs) {
     const process::CpuTimer timer(process::CpuUse::kSetUp);
     client::RunSetup setup;
-    for (int slot = 0; slot < slots; ++slot) {
+    for (int env = 0; env < envs; ++env) {
       setup.players.push_back(std::make_unique<EnvironmentPlayer>(registry, config));
     }
     setup.canonical_digest = CanonicalDigest(registry, config.environment().task());

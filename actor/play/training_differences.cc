@@ -76,7 +76,7 @@ void AddHeadOrder(const RunConfig& trained, const std::vector<std::uint32_t>& or
   sentences.push_back(std::string("trained with ") +
                       (trained.policy().schedule() == SCHEDULE_BLOCKS
                            ? "heads in their own blocks of time"
-                           : "heads in an order drawn for each episode") +
+                           : "heads in a permutation drawn for each episode") +
                       ", evaluated with heads in the order " + text::JoinNames(words));
 }
 

@@ -26,7 +26,7 @@ class Ends {
       : actor_id_(actor_id),
         episode_watch_(inbox),
         snapshot_watch_(inbox),
-        order_watch_(inbox),
+        assignment_watch_(inbox),
         learner_watch_(inbox),
         participant_(options, dds::kActorRole) {}
 
@@ -63,9 +63,9 @@ class Ends {
   std::optional<ActorEvent> Next() {
     if (auto event = NextLearner()) return event;
     if (auto taken = snapshots_.Take()) return EventOf(std::move(taken->content));
-    while (auto taken = orders_.Take()) {
-      const auto* order = std::get_if<EpisodeOrder>(&taken->content);
-      if (order != nullptr && order->actor_id != actor_id_) continue;
+    while (auto taken = assignments_.Take()) {
+      const auto* assignment = std::get_if<EpisodeAssignment>(&taken->content);
+      if (assignment != nullptr && assignment->actor_id != actor_id_) continue;
       return EventOf(std::move(taken->content));
     }
     return std::nullopt;
@@ -93,7 +93,7 @@ class Ends {
   // Before the participant: no listener may be called once it is gone.
   ReaderWatch episode_watch_;
   WriterWatch snapshot_watch_;
-  WriterWatch order_watch_;
+  WriterWatch assignment_watch_;
   WriterWatch learner_watch_;
   dds::Participant participant_;
   dds::Writer<wire::EpisodePubSubType> episodes_{&participant_, dds::kEpisodeTopic,
@@ -102,8 +102,8 @@ class Ends {
                                                      nullptr};
   dds::Reader<wire::PolicySnapshotPubSubType> snapshots_{&participant_, dds::kPolicySnapshotTopic,
                                                          &snapshot_watch_};
-  dds::Reader<wire::EpisodeOrderPubSubType> orders_{&participant_, dds::kEpisodeOrderTopic,
-                                                    &order_watch_, actor_id_};
+  dds::Reader<wire::EpisodeAssignmentPubSubType> assignments_{
+      &participant_, dds::kEpisodeAssignmentTopic, &assignment_watch_, actor_id_};
   dds::LearnerSightings sightings_{&participant_, &learner_watch_};
 };
 

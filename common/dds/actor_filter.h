@@ -7,11 +7,11 @@
 
 namespace metronome::dds {
 
-/// The content filter of orders: lets pass what is for one actor. Fast DDS evaluates it at the
-/// writer, for each order and each actor, and its own SQL filter takes apart the whole sample each
-/// time (15 us), which stops a learner at some dozens of actors. This one reads the 64-bit number
-/// that every message begins with. Both ends must have registered it; an end that has not simply
-/// sends, or gets, more. Stateless and thread-safe.
+/// The content filter of assignments: lets pass what is for one actor. Fast DDS evaluates it at the
+/// writer, for each assignment and each actor, and its own SQL filter takes apart the whole sample
+/// each time (15 us), which stops a learner at some dozens of actors. This one reads the 64-bit
+/// number that every message begins with. Both ends must have registered it; an end that has not
+/// simply sends, or gets, more. Stateless and thread-safe.
 class ActorFilterFactory final : public eprosima::fastdds::dds::IContentFilterFactory {
  public:
   static constexpr const char* kClassName = "metronome.actor_id";

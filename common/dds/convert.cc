@@ -18,7 +18,7 @@ static_assert(wire::kMaxActionSize == kMaxActionSize);
 static_assert(wire::kMaxObservations == (kMaxSteps + 1) * kMaxObservationSize);
 static_assert(wire::kMaxActions == kMaxSteps * kMaxActionSize);
 
-constexpr std::uint32_t kMaxSlots = 4096;  // an actor with more is lying
+constexpr std::uint32_t kMaxEnvs = 4096;  // an actor with more is lying
 
 void CheckAtMost(std::size_t size, std::size_t bound, const std::string& field) {
   if (size <= bound) return;
@@ -185,9 +185,9 @@ PolicySnapshot FromWire(wire::PolicySnapshot sample) {
   return message;
 }
 
-wire::EpisodeOrder ToWire(const EpisodeOrder& message) {
-  CheckAtMost(message.numbers.size(), wire::kMaxOrderNumbers, "numbers");
-  wire::EpisodeOrder sample;
+wire::EpisodeAssignment ToWire(const EpisodeAssignment& message) {
+  CheckAtMost(message.numbers.size(), wire::kMaxAssignedNumbers, "numbers");
+  wire::EpisodeAssignment sample;
   sample.protocol_version(kProtocolVersion);
   sample.incarnation(message.incarnation);
   sample.actor_id(message.actor_id);
@@ -198,15 +198,15 @@ wire::EpisodeOrder ToWire(const EpisodeOrder& message) {
   return sample;
 }
 
-EpisodeOrder FromWire(const wire::EpisodeOrder& sample) {
-  CheckAtMost(sample.numbers().size(), wire::kMaxOrderNumbers, "numbers");
-  if (sample.kind() > static_cast<std::uint8_t>(EpisodeOrder::Kind::kRefuse)) {
-    throw Malformed("kind " + std::to_string(sample.kind()) + " of order is unknown");
+EpisodeAssignment FromWire(const wire::EpisodeAssignment& sample) {
+  CheckAtMost(sample.numbers().size(), wire::kMaxAssignedNumbers, "numbers");
+  if (sample.kind() > static_cast<std::uint8_t>(EpisodeAssignment::Kind::kRefuse)) {
+    throw Malformed("kind " + std::to_string(sample.kind()) + " of assignment is unknown");
   }
-  EpisodeOrder message;
+  EpisodeAssignment message;
   message.incarnation = sample.incarnation();
   message.actor_id = sample.actor_id();
-  message.kind = static_cast<EpisodeOrder::Kind>(sample.kind());
+  message.kind = static_cast<EpisodeAssignment::Kind>(sample.kind());
   message.weights_version = sample.weights_version();
   message.numbers = sample.numbers();
   message.reason = sample.reason().to_string();
@@ -258,7 +258,7 @@ wire::ActorStatus ToWire(const ActorStatus& message) {
   CopyText(message.engine, "engine", &sample.engine());
   CopyText(message.build, "build", &sample.build());
   CopyText(message.canonical_digest, "canonical_digest", &sample.canonical_digest());
-  sample.slots(message.slots);
+  sample.envs(message.envs);
   sample.episodes_done(message.episodes_done);
   sample.steps_per_second(message.steps_per_second);
   return sample;
@@ -268,7 +268,7 @@ ActorStatus FromWire(const wire::ActorStatus& sample) {
   if (!std::isfinite(sample.steps_per_second()) || sample.steps_per_second() < 0) {
     throw Malformed("steps_per_second is not a rate");
   }
-  CheckAtMost(sample.slots(), kMaxSlots, "slots");
+  CheckAtMost(sample.envs(), kMaxEnvs, "envs");
   ActorStatus message;
   message.protocol_version = sample.protocol_version();
   message.actor_id = sample.actor_id();
@@ -278,7 +278,7 @@ ActorStatus FromWire(const wire::ActorStatus& sample) {
   message.engine = sample.engine().to_string();
   message.build = sample.build().to_string();
   message.canonical_digest = sample.canonical_digest().to_string();
-  message.slots = sample.slots();
+  message.envs = sample.envs();
   message.episodes_done = sample.episodes_done();
   message.steps_per_second = sample.steps_per_second();
   return message;

@@ -18,7 +18,7 @@ class Malformed : public std::runtime_error {
 /// @throws Malformed if a text or array exceeds its bound in idl/metronome.idl.
 wire::RunDescription ToWire(const RunDescription& message);
 wire::PolicySnapshot ToWire(PolicySnapshot message);
-wire::EpisodeOrder ToWire(const EpisodeOrder& message);
+wire::EpisodeAssignment ToWire(const EpisodeAssignment& message);
 wire::Episode ToWire(EpisodeMessage message);
 wire::ActorStatus ToWire(const ActorStatus& message);
 /// Actors beyond the bound are left out.
@@ -28,7 +28,7 @@ wire::LearnerStatus ToWire(const LearnerStatus& message);
 /// Numbers inside arrays are not judged here. @throws Malformed with the reason.
 RunDescription FromWire(const wire::RunDescription& sample);
 PolicySnapshot FromWire(wire::PolicySnapshot sample);
-EpisodeOrder FromWire(const wire::EpisodeOrder& sample);
+EpisodeAssignment FromWire(const wire::EpisodeAssignment& sample);
 EpisodeMessage FromWire(wire::Episode sample);
 ActorStatus FromWire(const wire::ActorStatus& sample);
 LearnerStatus FromWire(const wire::LearnerStatus& sample);

@@ -19,7 +19,7 @@ namespace metronome::dds {
 ///         memory), with the remedy; std::runtime_error if Fast DDS will not start.
 std::unique_ptr<LearnerBus> MakeDdsLearnerBus(const BusOptions& options);
 
-/// @param actor_id  random per process; orders for others are filtered out by it.
+/// @param actor_id  random per process; assignments for others are filtered out by it.
 /// @throws as MakeDdsLearnerBus.
 std::unique_ptr<ActorBus> MakeDdsActorBus(const BusOptions& options, std::uint64_t actor_id);
 

@@ -42,10 +42,10 @@ class DdsLearnerBus final : public LearnerBus {
     spdlog::warn("a status was not sent: Fast DDS does not take it");
   }
 
-  bool Send(const EpisodeOrder& order) override {
-    const auto process = status_watch_.ProcessOf(order.actor_id);
-    if (!process || !order_watch_.IsReadBy(*process)) return false;
-    return orders_.Write(order) == dds::WriteResult::kWritten;
+  bool Send(const EpisodeAssignment& assignment) override {
+    const auto process = status_watch_.ProcessOf(assignment.actor_id);
+    if (!process || !assignment_watch_.IsReadBy(*process)) return false;
+    return assignments_.Write(assignment) == dds::WriteResult::kWritten;
   }
 
   std::optional<LearnerEvent> Wait(Clock::time_point deadline) override {
@@ -116,7 +116,7 @@ class DdsLearnerBus final : public LearnerBus {
   std::mutex next_mutex_;
   // Before the participant: no listener may be called once it is gone.
   Inbox inbox_;
-  ReaderWatch order_watch_{&inbox_};
+  ReaderWatch assignment_watch_{&inbox_};
   WriterWatch status_watch_{&inbox_};
   WriterWatch episode_watch_{&inbox_};
   WriterWatch learner_watch_{&inbox_};
@@ -125,8 +125,8 @@ class DdsLearnerBus final : public LearnerBus {
                                                             dds::kRunDescriptionTopic, nullptr};
   dds::Writer<wire::PolicySnapshotPubSubType> snapshots_{&participant_, dds::kPolicySnapshotTopic,
                                                          nullptr};
-  dds::Writer<wire::EpisodeOrderPubSubType> orders_{&participant_, dds::kEpisodeOrderTopic,
-                                                    &order_watch_};
+  dds::Writer<wire::EpisodeAssignmentPubSubType> assignments_{
+      &participant_, dds::kEpisodeAssignmentTopic, &assignment_watch_};
   dds::Writer<wire::LearnerStatusPubSubType> learner_statuses_{&participant_,
                                                                dds::kLearnerStatusTopic, nullptr};
   dds::Reader<wire::ActorStatusPubSubType> statuses_{&participant_, dds::kActorStatusTopic,

@@ -145,7 +145,7 @@ Participant::Participant(const BusOptions& options, const std::string& role)
     }
     Check(participant_->register_content_filter_factory(ActorFilterFactory::kClassName,
                                                         ActorFilterFactory::Get()),
-          "registering the filter of orders");
+          "registering the filter of assignments");
     fdds::PublisherQos publisher = fdds::PUBLISHER_QOS_DEFAULT;
     publisher.partition().push_back(options.run_name.c_str());
     publisher_ = Made(participant_->create_publisher(publisher), "publisher");

@@ -26,8 +26,8 @@ inline constexpr TopicProfile kRunDescriptionTopic{
     "metronome/run_description", true, false, 1, 8, 1024};
 inline constexpr TopicProfile kPolicySnapshotTopic{
     "metronome/policy_snapshot", true, false, 2, 8, 128 * 1024};
-inline constexpr TopicProfile kEpisodeOrderTopic{
-    "metronome/episode_order", false, true, 4096, 1024, 256, true};
+inline constexpr TopicProfile kEpisodeAssignmentTopic{
+    "metronome/episode_assignment", false, true, 4096, 1024, 256, true};
 /// The learner has room for an episode of each of 256 actors that end at once (24 MB): what comes
 /// beyond that is dropped, asked for and sent again.
 inline constexpr TopicProfile kEpisodeTopic{"metronome/episode", false, true, 32, 256, 96 * 1024};

@@ -48,8 +48,8 @@ class LearnerBus {
   virtual void Publish(const PolicySnapshot& snapshot) = 0;
   /// For whoever watches; the last one is kept for late joiners.
   virtual void Publish(const LearnerStatus& status) = 0;
-  /// Queues an order for the actor it names. @return false if that actor is not connected.
-  virtual bool Send(const EpisodeOrder& order) = 0;
+  /// Queues an assignment for the actor it names. @return false if that actor is not connected.
+  virtual bool Send(const EpisodeAssignment& assignment) = 0;
   /// Next event, oldest first; std::nullopt at the deadline. Events queue bounded: a slow caller
   /// pushes back on the actors, nothing is lost.
   virtual std::optional<LearnerEvent> Wait(Clock::time_point deadline) = 0;
@@ -66,7 +66,7 @@ struct LearnerLost {
 };
 
 using ActorEvent =
-    std::variant<RunDescription, PolicySnapshot, EpisodeOrder, LearnerLost, BadSample, Woken>;
+    std::variant<RunDescription, PolicySnapshot, EpisodeAssignment, LearnerLost, BadSample, Woken>;
 
 /// The actor's end. Thread-safe.
 class ActorBus {
@@ -75,7 +75,7 @@ class ActorBus {
   virtual ~ActorBus() = default;
   /// Publishes a finished episode. Blocks while the reliable history is full.
   /// @return kNoLearner if no learner was heard that reads episodes (the episode is dropped: it
-  ///         will be ordered again), kClosed once Close() ran.
+  ///         will be reassigned), kClosed once Close() ran.
   [[nodiscard]] virtual SendResult Send(EpisodeMessage message) = 0;
   virtual void Send(const ActorStatus& status) = 0;
   virtual std::optional<ActorEvent> Wait(Clock::time_point deadline) = 0;

@@ -23,7 +23,7 @@ std::string StateText(LearnerState state);
 
 /// FIELD(type, name, metric, help) for each number of a run. `name` is that of the IDL and of JSON;
 /// `metric` that of Prometheus, behind "metronome_": a counter if it ends with "_total". Episodes
-/// from accepted to stale and bytes are counted since this start of the learner; what is of the
+/// from accepted to stale and bytes are counted in this incarnation of the learner; what is of the
 /// last update is 0 before the first one since then.
 #define METRONOME_RUN_NUMBERS(FIELD)                                                               \
   FIELD(std::uint64_t, version, "updates_total", "Updates made.")                                  \
@@ -41,41 +41,42 @@ std::string StateText(LearnerState state);
   FIELD(double, collect_seconds, "collect_duration_seconds",                                       \
         "Collecting the last update's episodes took.")                                             \
   FIELD(double, update_seconds, "update_duration_seconds", "Learning from them took.")             \
-  FIELD(double, idle_share, "slots_idle_ratio", "Of the actors' time during the last update.")     \
+  FIELD(double, idle_share, "envs_idle_ratio", "Of the actors' time during the last update.")      \
   FIELD(std::uint64_t, batch_episodes, "batch_episodes",                                           \
         "Episodes here of the batch that is collected.")                                           \
   FIELD(std::uint64_t, episodes_per_update, "batch_episodes_wanted", "Episodes of an update.")     \
   FIELD(std::uint64_t, accepted, "episodes_accepted_total", "Episodes that passed the check.")     \
-  FIELD(std::uint64_t, reordered, "episodes_reordered_total", "Episodes that were ordered again.") \
+  FIELD(std::uint64_t, reassigned, "episodes_reassigned_total",                                    \
+        "Episodes assigned again: lost, late or doubtful.")                                        \
   FIELD(std::uint64_t, duplicates, "episodes_duplicate_total", "Episodes that came again.")        \
   FIELD(std::uint64_t, rejected, "episodes_rejected_total", "Episodes that failed the check.")     \
   FIELD(std::uint64_t, stale, "episodes_stale_total",                                              \
-        "Episodes of an earlier start of the learner.")                                            \
+        "Episodes of an earlier incarnation of the learner.")                                      \
   FIELD(std::uint64_t, bytes_sent, "sent_bytes_total", "Payload sent.")                            \
   FIELD(std::uint64_t, bytes_received, "received_bytes_total", "Payload received.")                \
   FIELD(std::uint64_t, checkpoint_version, "checkpoint_version",                                   \
         "Updates in the newest checkpoint on disk.")                                               \
   FIELD(std::uint64_t, actors_total, "actors", "Actors connected.")                                \
-  FIELD(std::uint64_t, slots_total, "slots", "Episodes that they play at once.")
+  FIELD(std::uint64_t, envs_total, "envs", "Episodes that they play at once.")
 
 /// The same for each number of one actor.
-#define METRONOME_ACTOR_NUMBERS(FIELD)                                                 \
-  FIELD(std::uint32_t, slots, "actor_slots", "Episodes that the actor plays at once.") \
-  FIELD(std::uint64_t, episodes_done, "actor_episodes_played_total",                   \
-        "Episodes that it has played, for all learners that it served.")               \
-  FIELD(double, steps_per_second, "actor_steps_per_second", "Its speed, as it says.")  \
-  FIELD(std::uint64_t, accepted, "actor_episodes_accepted_total",                      \
-        "Its episodes that passed the check.")                                         \
-  FIELD(std::uint64_t, rejected, "actor_episodes_rejected_total",                      \
-        "Its episodes that failed the check.")                                         \
-  FIELD(std::uint64_t, orders, "actor_orders", "Orders that it has not answered.")     \
-  FIELD(double, oldest_order_seconds, "actor_oldest_order_age_seconds",                \
-        "Age of the oldest of them; 0 without.")                                       \
-  FIELD(double, silent_seconds, "actor_status_age_seconds", "Since its last word.")    \
-  FIELD(bool, on_probation, "actor_on_probation",                                      \
-        "1 if its host's actors come and go, and others are preferred.")               \
-  FIELD(bool, unanswering, "actor_unanswering",                                        \
-        "1 if it gave up an order and has brought nothing since.")
+#define METRONOME_ACTOR_NUMBERS(FIELD)                                                            \
+  FIELD(std::uint32_t, envs, "actor_envs", "Episodes that the actor plays at once.")              \
+  FIELD(std::uint64_t, episodes_done, "actor_episodes_played_total",                              \
+        "Episodes that it has played, for all learners that it served.")                          \
+  FIELD(double, steps_per_second, "actor_steps_per_second", "Its speed, as it says.")             \
+  FIELD(std::uint64_t, accepted, "actor_episodes_accepted_total",                                 \
+        "Its episodes that passed the check.")                                                    \
+  FIELD(std::uint64_t, rejected, "actor_episodes_rejected_total",                                 \
+        "Its episodes that failed the check.")                                                    \
+  FIELD(std::uint64_t, assignments, "actor_assignments", "Assignments that it has not answered.") \
+  FIELD(double, oldest_assignment_seconds, "actor_oldest_assignment_age_seconds",                 \
+        "Age of the oldest of them; 0 without.")                                                  \
+  FIELD(double, silent_seconds, "actor_status_age_seconds", "Since its last word.")               \
+  FIELD(bool, on_probation, "actor_on_probation",                                                 \
+        "1 if its host's actors come and go, and others are preferred.")                          \
+  FIELD(bool, unanswering, "actor_unanswering",                                                   \
+        "1 if it gave up an assignment and has brought nothing since.")
 
 /// FIELD(type, name) for each field that says which learner this is, and its state.
 #define METRONOME_LEARNER_IDENTITY(FIELD) \

@@ -14,7 +14,7 @@ namespace metronome {
 /// refused, both versions named. 2: the configuration names the heads' schedule. 3: and the
 /// correlation of exploration noise. 4: and describes the environment, whose sizes are the
 /// episodes'.
-inline constexpr std::uint32_t kProtocolVersion = 4;
+inline constexpr std::uint32_t kProtocolVersion = 5;
 
 /// Learner to all: everything an actor needs to know. The newest incarnation rules.
 struct RunDescription {
@@ -41,7 +41,7 @@ struct PolicySnapshot {
 };
 
 /// Learner to one actor.
-struct EpisodeOrder {
+struct EpisodeAssignment {
   enum class Kind : std::uint8_t { kRun = 0, kRefuse = 1 };
   std::uint64_t incarnation = 0;
   std::uint64_t actor_id = 0;
@@ -49,12 +49,12 @@ struct EpisodeOrder {
   std::uint64_t weights_version = 0;   // of kRun
   std::vector<std::uint64_t> numbers;  // of kRun, in the order to play them
   std::string reason;                  // of kRefuse: shown to the user, actor exits non-zero
-  bool operator==(const EpisodeOrder&) const = default;
+  bool operator==(const EpisodeAssignment&) const = default;
 };
 
 /// Actor to learner.
 struct EpisodeMessage {
-  std::uint64_t incarnation = 0;  // of the order that it answers
+  std::uint64_t incarnation = 0;  // of the assignment that it answers
   std::uint64_t actor_id = 0;
   Episode episode;
 };
@@ -69,7 +69,7 @@ struct ActorStatus {
   std::string engine;
   std::string build;
   std::string canonical_digest;  // of the run's task: actor/play/canonical_episode.h
-  std::uint32_t slots = 0;       // episodes it plays at once
+  std::uint32_t envs = 0;        // episodes it plays at once
   std::uint64_t episodes_done = 0;
   double steps_per_second = 0;  // wall-clock: shown, never used
   // Not sent: the host as the receiver's middleware knows it, whatever the actor calls itself.

@@ -50,10 +50,11 @@ std::uint64_t RandomStream::Below(std::uint64_t bound) {
 }
 
 std::vector<std::uint32_t> Permutation(std::uint32_t size, RandomStream stream) {
-  std::vector<std::uint32_t> order(size);
-  std::iota(order.begin(), order.end(), 0U);
-  for (std::uint32_t i = size; i > 1; --i) std::swap(order[i - 1], order[stream.Below(i)]);
-  return order;
+  std::vector<std::uint32_t> permutation(size);
+  std::iota(permutation.begin(), permutation.end(), 0U);
+  for (std::uint32_t i = size; i > 1; --i)
+    std::swap(permutation[i - 1], permutation[stream.Below(i)]);
+  return permutation;
 }
 
 }  // namespace metronome::numbers

@@ -13,7 +13,7 @@ enum class RandomPurpose : std::uint64_t {
   kEvaluate = 2,
   kInitialise = 3,
   kShuffle = 4,
-  kHeadOrder = 5,
+  kHeadPermutation = 5,
   kAudit = 6,
   kCheck = 7
 };

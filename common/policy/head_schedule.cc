@@ -25,8 +25,8 @@ HeadSchedule::HeadSchedule(const RunConfig& config, const numbers::EpisodeKey& e
     : HeadSchedule(config) {
   if (config.policy().schedule() == SCHEDULE_SHUFFLED) {
     order_ = numbers::Permutation(static_cast<std::uint32_t>(heads_),
-                                  {numbers::RandomPurpose::kHeadOrder, episode.seed, episode.number,
-                                   static_cast<std::uint64_t>(episode.purpose)});
+                                  {numbers::RandomPurpose::kHeadPermutation, episode.seed,
+                                   episode.number, static_cast<std::uint64_t>(episode.purpose)});
   }
 }
 

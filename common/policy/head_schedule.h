@@ -18,8 +18,8 @@ numbers::EpisodeKey TrainingEpisode(const RunConfig& config, std::uint64_t numbe
 ///   by at most one; head j owns block j. Source: Qureshi, Eisner, Held, arXiv:2401.01993, eq. 4.
 /// - SCHEDULE_INTERLEAVED: j = t mod k. Each head has as many steps as in blocks, to one, but all
 ///   over the episode.
-/// - SCHEDULE_SHUFFLED: the same blocks; block b belongs to head order[b], a uniform permutation
-///   drawn from the stream {kHeadOrder, seed, number, purpose} of the episode's key.
+/// - SCHEDULE_SHUFFLED: the same blocks; block b belongs to head permutation[b], drawn
+///   uniformly from the stream {kHeadPermutation, seed, number, purpose} of the episode's key.
 ///
 /// An evaluation may also say itself which head gets which block.
 ///

@@ -6,14 +6,14 @@ import re
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 
 _PUBLISH = {
-    "learner": ("run_description", "policy_snapshot", "episode_order", "learner_status"),
+    "learner": ("run_description", "policy_snapshot", "episode_assignment", "learner_status"),
     "actor": ("episode", "actor_status"),
     "observer": (),
 }
 _SUBSCRIBE = {
     # Its own kind too: two learners of a run notice each other.
     "learner": ("episode", "actor_status", "run_description"),
-    "actor": ("run_description", "policy_snapshot", "episode_order"),
+    "actor": ("run_description", "policy_snapshot", "episode_assignment"),
     "observer": ("run_description", "learner_status"),
 }
 

@@ -52,7 +52,7 @@ class Costs:
     handle: float  # one episode in the coordinator's thread, beside its check
     check: float  # one whole episode
     receive: float  # one episode in the middleware's receiving thread
-    order: float  # one episode's order, for each participant, in the coordinator's thread
+    assignment: float  # one episode's assignment, for each participant, in the coordinator's thread
     fanout: float  # the same, in the middleware's threads: gaps, heartbeats, acknowledgements
     presence: float  # a second, for each participant
     join: float  # once, for each participant
@@ -75,7 +75,7 @@ def read(task="push", engine=ENGINE, folder=RESULTS):
     # A learner's whole time for an episode, with one step in twenty and with all of them checked.
     some, all_ = (1 / growth(f"udp, 1 x 256, check {share}", "episodes") for share in ("0.05", "1"))
     check = (all_ - some) / (1 - 0.05)
-    # 64 participants against one of 64 slots: on two cores that actors share, so rather too much.
+    # 64 participants against one of 64 envs: on two cores that actors share, so rather too much.
     crowded = statistics.mean(
         (1 / growth(f"udp, 64 x 1, check {share}", "episodes") - 1 / growth(f"udp, 1 x 64, check {share}", "episodes"))
         / 63 for share in ("0.05", "1"))
@@ -89,7 +89,7 @@ def read(task="push", engine=ENGINE, folder=RESULTS):
         handle=some - 0.05 * check,
         check=check,
         receive=1e-3 * transport("udp, flat out", "learner"),
-        order=crowded,
+        assignment=crowded,
         fanout=max(0.0, fanout - crowded),
         presence=1e-3 * slope(crowd, "presence, learner"),
         join=join,

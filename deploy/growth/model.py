@@ -1,6 +1,6 @@
-"""A run in virtual time: actors' slots, orders, links, the learner's threads, the update, new weights.
+"""A run in virtual time: actors' envs, assignments, links, the learner's threads, the update, new weights.
 
-What it leaves out: failures and orders repeated because of them, the audit, the disk, actors that
+What it leaves out: failures and assignments repeated because of them, the audit, the disk, actors that
 share cores with the learner (but for the update, which then has their cores to itself: overlap 0).
 """
 
@@ -19,10 +19,10 @@ LATENCY = 1e-4  # seconds, one way
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """Who gets what. A playing core is a slot."""
+    """Who gets what. An env plays on a core of its own."""
 
     cores: int  # that play
-    slots: int = 1  # of an actor process; a participant each
+    envs: int = 1  # of an actor process; a participant each
     gigabits: float = 10  # the learner's link, each way
     threads: int = 16  # of the update, on cores that nothing else uses
     episodes: int = 16  # E
@@ -34,13 +34,13 @@ class Plan:
     checkers: int = 0  # threads that check beside the coordinator's
     intakes: int = 1  # threads that receive and coordinate, each a share of the numbers
     relay: int = 0  # actor processes behind one relay, which alone is a participant of the learner
-    narrow_orders: bool = False  # an order reaches its actor alone
+    narrow_assignments: bool = False  # an assignment reaches its actor alone
     learners: int = 1  # machines of `threads` each that share every batch
     exchange: float = 5e-5  # seconds: latency of one message between them
 
     @property
     def actors(self):
-        return math.ceil(self.cores / self.slots)
+        return math.ceil(self.cores / self.envs)
 
     @property
     def participants(self):
@@ -84,21 +84,21 @@ class Server:
 
 
 class Actor:
-    """`orders` as the learner counts them: until their episode has arrived."""
+    """`assignments` as the learner counts them: until their episode has arrived."""
 
-    def __init__(self, slots):
-        self.slots, self.orders, self.playing, self.waiting = slots, 0, 0, collections.deque()
+    def __init__(self, envs):
+        self.envs, self.assignments, self.playing, self.waiting = envs, 0, 0, collections.deque()
 
 
 class Run:
-    """The rules of learner/collect/orders/order_plan.h without what only failures need: lowest numbers first to
-    the least loaded, two orders a slot, one near the end, batches up to `overlap` ahead of the weights."""
+    """The rules of learner/collect/assignments/assignment_plan.h without what only failures need: lowest numbers first to
+    the least loaded, two assignments an env, one near the end, batches up to `overlap` ahead of the weights."""
 
     def __init__(self, plan, costs, seed):
         self.plan, self.costs = plan, costs
         self.env = simpy.Environment()
         self.random = random.Random(seed)
-        self.actors = [Actor(min(plan.slots, plan.cores - i * plan.slots)) for i in range(plan.actors)]
+        self.actors = [Actor(min(plan.envs, plan.cores - i * plan.envs)) for i in range(plan.actors)]
         self.load = [(0.0, i) for i in range(len(self.actors))]  # heap; old entries are skipped
         self.open = collections.deque()  # the batch of each number to hand out, lowest first
         self.next_batch = self.version = 0
@@ -114,10 +114,10 @@ class Run:
         self.coordinator = Server(self.env, plan.intakes * machines)
         self.checkers = Server(self.env, plan.checkers * machines) if plan.checkers else None
         self.update = Server(self.env)
-        self.playing = 0.0  # slot seconds
-        heard = 1 if plan.narrow_orders else plan.participants
+        self.playing = 0.0  # env seconds
+        heard = 1 if plan.narrow_assignments else plan.participants
         self.receiving = costs.receive + heard * costs.fanout
-        self.handling = costs.handle + heard * costs.order
+        self.handling = costs.handle + heard * costs.assignment
         self.checking = costs.check * plan.check_share
 
     def after(self, seconds, action, *arguments):
@@ -125,11 +125,11 @@ class Run:
 
     def run(self, updates):
         self.open_batches()
-        self.plan_orders()
+        self.plan_assignments()
         while len(self.updates) < updates:
             self.env.step()
 
-    # --- Orders ---------------------------------------------------------------------------------
+    # --- Assignments ---------------------------------------------------------------------------------
 
     def open_batches(self):
         while self.next_batch <= self.version + self.plan.overlap:
@@ -137,39 +137,39 @@ class Run:
             self.accepted[self.next_batch] = 0
             self.next_batch += 1
 
-    def plan_orders(self):
+    def plan_assignments(self):
         while self.open:
             index = self.least_loaded(1 if len(self.open) <= self.plan.cores else 2)
             if index is None:
                 return
-            self.actors[index].orders += 1
+            self.actors[index].assignments += 1
             self.note_load(index)
-            self.after(LATENCY, self.order, self.actors[index], index, self.open.popleft())
+            self.after(LATENCY, self.assignment, self.actors[index], index, self.open.popleft())
 
-    def least_loaded(self, orders_per_slot):
-        """@return an actor that takes another order, or None."""
+    def least_loaded(self, assignments_per_env):
+        """@return an actor that takes another assignment, or None."""
         while self.load:
             load, index = self.load[0]
             if load != self.load_of(index):
                 heapq.heappop(self.load)
             else:
-                return index if load < orders_per_slot else None
+                return index if load < assignments_per_env else None
         return None
 
     def load_of(self, index):
-        return self.actors[index].orders / self.actors[index].slots
+        return self.actors[index].assignments / self.actors[index].envs
 
     def note_load(self, index):
         heapq.heappush(self.load, (self.load_of(index), index))
 
     # --- Actors ---------------------------------------------------------------------------------
 
-    def order(self, actor, index, batch):
+    def assignment(self, actor, index, batch):
         actor.waiting.append(batch)
         self.play(actor, index)
 
     def play(self, actor, index):
-        while actor.playing < actor.slots and actor.waiting:
+        while actor.playing < actor.envs and actor.waiting:
             batch = actor.waiting.popleft()
             actor.playing += 1
             mean = STEPS * self.costs.step
@@ -189,7 +189,7 @@ class Run:
     # --- Learner --------------------------------------------------------------------------------
 
     def take(self, index, batch):
-        """New orders go out before the check."""
+        """New assignments go out before the check."""
         check = 0.0 if self.checkers else self.checking
         done = self.coordinator.serve(self.handling + check)
         self.after(done - check, self.arrive, index)
@@ -199,9 +199,9 @@ class Run:
             self.after(done, self.accept, batch)
 
     def arrive(self, index):
-        self.actors[index].orders -= 1
+        self.actors[index].assignments -= 1
         self.note_load(index)
-        self.plan_orders()
+        self.plan_assignments()
 
     def check_elsewhere(self, batch):
         self.after(self.checkers.serve(self.checking), self.accept, batch)
@@ -221,19 +221,19 @@ class Run:
         del self.accepted[self.version]
         self.version += 1
         self.updates.append(self.env.now)
-        # Sent to one participant after the other by the coordinator's thread, before the orders.
+        # Sent to one participant after the other by the coordinator's thread, before the assignments.
         said = self.coordinator.serve(self.plan.participants * self.costs.broadcast)
         through = self.link_out.serve(self.plan.participants * self.version_on_link)
         self.weights_at = self.env.now + max(said, through) + LATENCY
         self.open_batches()
-        self.after(said, self.plan_orders)
+        self.after(said, self.plan_assignments)
         self.update_if_complete()
 
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
     steps_per_second: float
-    idle: float  # share of the slots' time
+    idle: float  # share of the envs' time
     loads: dict  # {part: share of its time that it is busy}
 
     @property

@@ -31,9 +31,9 @@ def percent(share):
 
 
 def big(cores, **more):
-    """As many machines as it takes: a process of 16 slots each, E twice the slots, 20 minibatches an
+    """As many machines as it takes: a process of 16 envs each, E twice the envs, 20 minibatches an
     epoch as in the wide preset."""
-    return Plan(**{"cores": cores, "slots": 16, "episodes": max(16, 2 * cores), "minibatches": 20, "overlap": 1,
+    return Plan(**{"cores": cores, "envs": 16, "episodes": max(16, 2 * cores), "minibatches": 20, "overlap": 1,
                    "check_share": 0.05, **more})
 
 
@@ -60,18 +60,18 @@ def measured_rates():
 
 
 def measured_intakes():
-    """(what, measured episodes/s, processes, slots, share of steps checked)."""
+    """(what, measured episodes/s, processes, envs, share of steps checked)."""
     growth = Figures("growth")
-    for processes, slots in ((1, 1), (2, 1), (4, 1), (16, 1), (64, 1), (1, 64), (1, 256)):
+    for processes, envs in ((1, 1), (2, 1), (4, 1), (16, 1), (64, 1), (1, 64), (1, 256)):
         for share in ("0.05", "1"):
-            case = f"udp, {processes} x {slots}, check {share}"
-            yield case, growth(case, "episodes"), processes, slots, float(share)
+            case = f"udp, {processes} x {envs}, check {share}"
+            yield case, growth(case, "episodes"), processes, envs, float(share)
 
 
-def simulated_intake(costs, processes, slots, share):
+def simulated_intake(costs, processes, envs, share):
     """Episodes a second of one batch that costs actors next to nothing to play."""
     ready = dataclasses.replace(costs, step=1e-4 / STEPS)
-    plan = Plan(cores=processes * slots, slots=slots, gigabits=1000, episodes=2048, minibatches=1, epochs=0,
+    plan = Plan(cores=processes * envs, envs=envs, gigabits=1000, episodes=2048, minibatches=1, epochs=0,
                 check_share=share)
     return simulate(plan, ready, updates=2).steps_per_second / STEPS
 
@@ -81,8 +81,8 @@ def validation(costs, most_cores):
     for what, measured, plan in measured_rates():
         simulated = simulate(plan, costs, updates=30).steps_per_second
         lines.append([what, f"{measured:.0f} steps/s", f"{simulated:.0f}", f"{100 * (simulated / measured - 1):+.0f} %"])
-    for case, measured, processes, slots, share in measured_intakes():
-        simulated = simulated_intake(costs, processes, slots, share)
+    for case, measured, processes, envs, share in measured_intakes():
+        simulated = simulated_intake(costs, processes, envs, share)
         lines.append([f"intake, {case}", f"{measured:.0f} episodes/s", f"{simulated:.0f}",
                       f"{100 * (simulated / measured - 1):+.0f} %"])
     return markdown(["", "measured", "simulated", "off by"], lines)
@@ -104,12 +104,12 @@ def capacities(costs):
         yield (f"coordinator and check, share {share}", an_episode / seconds, f"{1e3 * seconds:.2f} ms an episode")
     for participants in (1, 16, 100, 1000):
         seconds = costs.receive + participants * costs.fanout
-        yield (f"receiving, orders heard by {participants}", an_episode / seconds, f"{1e3 * seconds:.2f} ms an episode")
+        yield (f"receiving, assignments heard by {participants}", an_episode / seconds, f"{1e3 * seconds:.2f} ms an episode")
     for gigabits in (1, 10, 100):
         seconds = EPISODE_BYTES * 8 / (gigabits * 1e9)
         yield f"link of {gigabits} Gbit/s", an_episode / seconds, f"{1e3 * seconds:.3g} ms an episode"
-    for slots in (1, 16):
-        yield (f"presence, {slots} slots a process", slots / costs.presence,
+    for envs in (1, 16):
+        yield (f"presence, {envs} envs a process", envs / costs.presence,
                f"{1e3 * costs.presence:.2g} ms a second and process")
 
 
@@ -140,7 +140,7 @@ def today(costs, most_cores):
             continue
         lines.append(outcome_line(f"{cores} cores", big(cores), costs))
         if 10 < cores < 10000:
-            lines.append(outcome_line(f"{cores} cores, 1 slot a process", big(cores, slots=1), costs))
+            lines.append(outcome_line(f"{cores} cores, 1 env a process", big(cores, envs=1), costs))
         if cores == 100:
             lines.append(outcome_line(f"{cores} cores, every step checked", big(cores, check_share=1), costs))
             lines.append(outcome_line(f"{cores} cores, 1 Gbit/s", big(cores, gigabits=1), costs))
@@ -154,7 +154,7 @@ ANSWERS = {
     "64 update threads for 16": dict(threads=64),
     "8 learners for one, 100 Gbit/s, 5 us": dict(learners=8, gigabits=100, exchange=5e-6),
     "4 epochs for 10": dict(epochs=4),
-    "orders that reach their actor alone": dict(narrow_orders=True),
+    "assignments that reach their actor alone": dict(narrow_assignments=True),
     "4 intakes for one": dict(intakes=4),
 }
 
@@ -162,8 +162,8 @@ ANSWERS = {
 def designs(costs, most_cores):
     """What each is worth where all others are there: without it the run is so much slower."""
     everything = {name: value for change in ANSWERS.values() for name, value in change.items()}
-    relayed = everything | {"narrow_orders": False, "relay": 16}
-    cases = {"today": {}, "all of these": everything, "relays of 16 processes for such orders": relayed}
+    relayed = everything | {"narrow_assignments": False, "relay": 16}
+    cases = {"today": {}, "all of these": everything, "relays of 16 processes for such assignments": relayed}
     for answer, change in ANSWERS.items():
         cases[f"all but {answer}"] = {name: value for name, value in everything.items() if name not in change}
     sizes = [cores for cores in (100, 1000, 10000) if cores <= most_cores]
@@ -196,14 +196,14 @@ def learners(costs, most_cores):
 
 def presence(costs, most_cores):
     lines = []
-    for slots in (1, 4, 16, 64):
-        line = [slots]
+    for envs in (1, 4, 16, 64):
+        line = [envs]
         for cores in (1000, 10000):
-            participants = math.ceil(cores / slots)
+            participants = math.ceil(cores / envs)
             line += [participants, percent(participants * costs.presence), rounded(participants * costs.join, 2),
                      rounded(1e3 * participants * costs.broadcast, 2), rounded(participants * ACTOR_BYTES / 1e6, 2)]
         lines.append(line)
-    return markdown(["slots a process", *(text for cores in (1000, 10000) for text in (
+    return markdown(["envs a process", *(text for cores in (1000, 10000) for text in (
         f"{cores} cores: processes", "presence", "joining, s", "a version, ms", "MB"))], lines)
 
 

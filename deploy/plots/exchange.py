@@ -33,7 +33,7 @@ class Exchange:
 
 
 def found(results):
-    """Task to Exchange of the policies evaluated. @throws ResultsError, also if an order is missing."""
+    """Task to Exchange of the policies evaluated. @throws ResultsError, also if an order of heads is missing."""
     there = {path.stem: path for path in (Path(results) / FOLDER).glob("*.csv")}
     return {task: read(there[task]) for task in sorted(there)}
 

@@ -48,11 +48,12 @@ ActorRegistry::Verdict ActorRegistry::Hear(const ActorStatus& status, TimePoint 
 
 void ActorRegistry::Welcome(const ActorStatus& status, const trust::Trust::Probation& probation,
                             TimePoint now) const {
-  spdlog::info("actor {} joins with {} slot{}, from {}", NameIn(status), status.slots,
-               status.slots == 1 ? "" : "s", status.vouched_host);
+  spdlog::info("actor {} joins with {} env{}, from {}", NameIn(status), status.envs,
+               status.envs == 1 ? "" : "s", status.vouched_host);
   if (probation.until <= now) return;
   spdlog::warn(
-      "actors on {} came and went {} times in a row: {} gets orders after {} s, sooner if nobody "
+      "actors on {} came and went {} times in a row: {} gets assignments after {} s, sooner if "
+      "nobody "
       "else is there",
       status.vouched_host, probation.flaps, NameIn(status),
       std::chrono::ceil<std::chrono::seconds>(probation.until - now).count());
@@ -67,12 +68,12 @@ void ActorRegistry::Refuse(std::uint64_t actor_id, const std::string& name,
 }
 
 void ActorRegistry::SendRefusal(std::uint64_t actor_id, const std::string& reason) {
-  EpisodeOrder order;
-  order.incarnation = incarnation_;
-  order.actor_id = actor_id;
-  order.kind = EpisodeOrder::Kind::kRefuse;
-  order.reason = reason.substr(0, kMaxReasonLength);
-  bus_.Send(order);
+  EpisodeAssignment assignment;
+  assignment.incarnation = incarnation_;
+  assignment.actor_id = actor_id;
+  assignment.kind = EpisodeAssignment::Kind::kRefuse;
+  assignment.reason = reason.substr(0, kMaxReasonLength);
+  bus_.Send(assignment);
 }
 
 bool ActorRegistry::Lose(std::uint64_t actor_id) { return actors_.erase(actor_id) > 0; }
@@ -96,7 +97,7 @@ std::map<std::uint64_t, std::string> ActorRegistry::NamesOn(const std::string& h
   return names;
 }
 
-std::vector<ActorReport> ActorRegistry::Report(const orders::Roster& roster,
+std::vector<ActorReport> ActorRegistry::Report(const assignments::Roster& roster,
                                                const EpisodeCounts& counts, TimePoint now) const {
   const auto seconds_since = [now](TimePoint then) {
     return std::chrono::duration<double>(now - then).count();
@@ -106,14 +107,14 @@ std::vector<ActorReport> ActorRegistry::Report(const orders::Roster& roster,
     ActorReport report;
     const Actor& actor = actors_.at(id);
     report.name = actor.name;
-    report.slots = seat.slots;
+    report.envs = seat.envs;
     report.episodes_done = actor.episodes_done;
     report.steps_per_second = actor.steps_per_second;
     report.silent_seconds = seconds_since(actor.heard);
-    report.orders = seat.orders.size();
-    for (const orders::Roster::Order& order : seat.orders) {
-      report.oldest_order_seconds =
-          std::max(report.oldest_order_seconds, seconds_since(order.since));
+    report.assignments = seat.assignments.size();
+    for (const assignments::Roster::Assignment& assignment : seat.assignments) {
+      report.oldest_assignment_seconds =
+          std::max(report.oldest_assignment_seconds, seconds_since(assignment.since));
     }
     const trust::Trust::State trust = trust_.StateOf(id, now);
     report.on_probation = trust.on_probation;

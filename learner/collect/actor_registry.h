@@ -10,8 +10,8 @@
 #include "common/messages/bus.h"
 #include "common/messages/messages.h"
 #include "learner/collect/admission.h"
+#include "learner/collect/assignments/roster.h"
 #include "learner/collect/episode_counts.h"
-#include "learner/collect/orders/roster.h"
 #include "learner/collect/trust/trust.h"
 
 namespace metronome::collect {
@@ -44,7 +44,7 @@ class ActorRegistry {
   /// Of the run's canonical episode.
   [[nodiscard]] const std::string& digest() const { return admission_.digest(); }
   /// Those of `roster`, for people who watch.
-  [[nodiscard]] std::vector<ActorReport> Report(const orders::Roster& roster,
+  [[nodiscard]] std::vector<ActorReport> Report(const assignments::Roster& roster,
                                                 const EpisodeCounts& counts, TimePoint now) const;
 
  private:

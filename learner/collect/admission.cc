@@ -42,7 +42,7 @@ Admission::Decision Admission::Judge(const ActorStatus& status) {
                                   " is " + status.engine +
                                   ": start an actor that was built against " + engine_};
   }
-  if (status.slots == 0) return {Verdict::kRefuse, "it offers no slot"};
+  if (status.envs == 0) return {Verdict::kRefuse, "it offers no env"};
   if (status.canonical_digest.empty()) return {};
   if (digest_.empty()) {
     digest_ = status.canonical_digest;

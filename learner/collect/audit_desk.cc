@@ -9,13 +9,13 @@ constexpr std::chrono::seconds kPatience{5};  // with who is to play an episode 
 
 }  // namespace
 
-AuditDesk::AuditDesk(const trust::AuditRules& rules, orders::NumberBook* book,
-                     const orders::OrderPlan* plan, BatchStore* batches)
+AuditDesk::AuditDesk(const trust::AuditRules& rules, assignments::NumberBook* book,
+                     const assignments::AssignmentPlan* plan, BatchStore* batches)
     : audit_(rules), book_(*book), plan_(*plan), batches_(*batches) {}
 
 AuditDesk::Ruling AuditDesk::Hear(trust::Audit::Opinion opinion) {
   const std::uint64_t number = opinion.episode.number;
-  const orders::NumberBook::Player player{opinion.actor_id, opinion.host};
+  const assignments::NumberBook::Player player{opinion.actor_id, opinion.host};
   if (!audit_.IsChosen(number)) {
     return {Settled{player.actor_id, std::move(opinion.episode), {player.host}}, {}, false};
   }

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/messages/episode.h"
+#include "learner/collect/assignments/assignment_plan.h"
+#include "learner/collect/assignments/number_book.h"
 #include "learner/collect/batch_store.h"
-#include "learner/collect/orders/number_book.h"
-#include "learner/collect/orders/order_plan.h"
 #include "learner/collect/trust/audit.h"
 #include "learner/collect/trust/excluded_hosts.h"
 
@@ -36,8 +36,8 @@ class AuditDesk {
   };
 
   /// All but the rules must outlive the desk.
-  AuditDesk(const trust::AuditRules& rules, orders::NumberBook* book, const orders::OrderPlan* plan,
-            BatchStore* batches);
+  AuditDesk(const trust::AuditRules& rules, assignments::NumberBook* book,
+            const assignments::AssignmentPlan* plan, BatchStore* batches);
 
   /// Of an episode that has arrived and passed its check.
   Ruling Hear(trust::Audit::Opinion opinion);
@@ -59,8 +59,8 @@ class AuditDesk {
 
  private:
   trust::Audit audit_;
-  orders::NumberBook& book_;
-  const orders::OrderPlan& plan_;
+  assignments::NumberBook& book_;
+  const assignments::AssignmentPlan& plan_;
   BatchStore& batches_;
   std::optional<TimePoint> lonely_since_;  // nobody is there to play audited episodes again
   std::optional<TimePoint> due_;

@@ -10,7 +10,7 @@
 namespace metronome::collect {
 namespace {
 
-constexpr std::size_t kMaxNumbersPerOrder = 1024;  // idl/metronome.idl
+constexpr std::size_t kMaxNumbersPerAssignment = 1024;  // idl/metronome.idl
 constexpr std::size_t kSnapshotsKept = 2;
 constexpr std::size_t kNamesShown = 3;
 
@@ -33,11 +33,11 @@ Collector::Collector(LearnerBus& bus, const algorithm::Algorithm& algorithm,
     : bus_(bus),
       algorithm_(algorithm),
       incarnation_(description.incarnation),
-      rules_(rules.orders),
+      rules_(rules.assignments),
       trust_(rules.trust, std::move(excluded)),
       registry_(description, digest, &bus, &trust_),
-      book_(rules.orders),
-      plan_(rules.orders, &book_, &trust_),
+      book_(rules.assignments),
+      plan_(rules.assignments, &book_, &trust_),
       batches_(rules_.episodes_per_update, rules_.first_version),
       desk_(rules.audit, &book_, &plan_, &batches_) {}
 
@@ -50,55 +50,56 @@ void Collector::OnStatus(const ActorStatus& status, TimePoint now) {
       plan_.Lose(status.actor_id, now);
       return;
     case ActorRegistry::Verdict::kAdmitted:
-      plan_.Join(status.actor_id, status.vouched_host, status.slots, now);
+      plan_.Join(status.actor_id, status.vouched_host, status.envs, now);
       if (is_new && counts_.HasManyActors()) counts_.KeepActors(registry_.Names());
-      WarnOfManySlots();
+      WarnOfManyEnvs();
       return;
   }
 }
 
-void Collector::WarnOfManySlots() {
-  const std::uint64_t slots = roster().slots();
-  if (2 * slots <= rules_.episodes_per_update || slots <= slots_warned_of_) return;
-  slots_warned_of_ = slots;
+void Collector::WarnOfManyEnvs() {
+  const std::uint64_t envs = roster().envs();
+  if (2 * envs <= rules_.episodes_per_update || envs <= envs_warned_of_) return;
+  envs_warned_of_ = envs;
   spdlog::warn(
-      "{} slots for {} episodes an update: slots beyond half of that will often be idle; the wide "
+      "{} envs for {} episodes an update: envs beyond half of that will often be idle; the wide "
       "preset (deploy/wide.textproto) suits many machines",
-      slots, rules_.episodes_per_update);
+      envs, rules_.episodes_per_update);
 }
 
 void Collector::OnLost(std::uint64_t actor_id, TimePoint now) {
   const std::string name = Called(actor_id);
   trust_.Lose(actor_id, now);
-  const std::size_t orders = plan_.Lose(actor_id, now);
+  const std::size_t assignments = plan_.Lose(actor_id, now);
   if (!registry_.Lose(actor_id)) return;
-  spdlog::info("actor {} is gone{}", name,
-               orders > 0 ? "; its " + std::to_string(orders) + " orders go to others" : "");
+  spdlog::info(
+      "actor {} is gone{}", name,
+      assignments > 0 ? "; its " + std::to_string(assignments) + " assignments go to others" : "");
 }
 
 // The way of an episode from the wire to its batch: for this learner? from one that may speak?
 // asked for? right? does it stand, or is another to play it too? Then it is booked and kept.
 void Collector::OnEpisode(EpisodeMessage message, TimePoint now) {
-  using Standing = orders::NumberBook::Claim::Standing;
+  using Standing = assignments::NumberBook::Claim::Standing;
   const std::uint64_t actor_id = message.actor_id;
   const std::uint64_t number = message.episode.number;
   if (message.incarnation != incarnation_) {
     ++counts_.stale;
     return;
   }
-  const orders::NumberBook::Claim claim = book_.ClaimOf(number, actor_id);
+  const assignments::NumberBook::Claim claim = book_.ClaimOf(number, actor_id);
   // Its host too: an actor that was lost before that was excluded is not refused itself, and may
   // not be dead.
   if (trust_.RefusalOf(actor_id) != nullptr || trust_.ExclusionOf(claim.host) != nullptr) {
     return Drop(actor_id, "its actor is refused", now);
   }
-  if (claim.standing == Standing::kNotOrdered) {
-    return Drop(actor_id, "episode " + std::to_string(number) + " was not ordered from it", now);
+  if (claim.standing == Standing::kNotAssigned) {
+    return Drop(actor_id, "episode " + std::to_string(number) + " was not assigned to it", now);
   }
   if (claim.standing == Standing::kDuplicate) return Compare(message.episode, actor_id, now);
   book_.Arrive(number);
   plan_.Free(number, actor_id, now);
-  // First: the freed slot does not wait for the check. But nothing is settled meanwhile, for what
+  // First: the freed env does not wait for the check. But nothing is settled meanwhile, for what
   // is being checked may be the second answer that a lonely number waits for.
   SendPlan(now);
   const PolicySnapshot& snapshot = snapshots_.at(claim.weights_version);
@@ -109,7 +110,7 @@ void Collector::OnEpisode(EpisodeMessage message, TimePoint now) {
   Follow(desk_.Hear({actor_id, claim.host, std::move(message.episode)}), number, actor_id, now);
 }
 
-// A sample that answers no order: counted, nothing else changes.
+// A sample that answers no assignment: counted, nothing else changes.
 void Collector::Drop(std::uint64_t actor_id, const std::string& reason, TimePoint now) {
   counts_.CountRejected(registry_.NameOf(actor_id, "strangers"), reason);
   Complain("a sample of " + Called(actor_id) + " is dropped: " + reason, now);
@@ -140,7 +141,7 @@ void Collector::Reject(std::uint64_t number, std::uint64_t actor_id, const std::
   book_.PutBack(number);
   counts_.CountRejected(registry_.NameOf(actor_id, "strangers"), reason);
   Complain("episode " + std::to_string(number) + " of " + Called(actor_id) +
-               " is dropped and ordered again: " + reason,
+               " is dropped and reassigned: " + reason,
            now);
   if (trust_.Checked(actor_id, false)) return;
   Refuse(actor_id, Called(actor_id),
@@ -182,7 +183,7 @@ void Collector::Exclude(const std::string& host, std::uint64_t number, TimePoint
   desk_.Disregard(host);
 }
 
-std::optional<Collector::TimePoint> Collector::SendOrders(TimePoint now) {
+std::optional<Collector::TimePoint> Collector::SendAssignments(TimePoint now) {
   for (Settled& settled : desk_.SettleLonely(now)) Enter(std::move(settled));
   SendPlan(now);
   std::optional<TimePoint> due = plan_.NextDeadline(now);
@@ -191,21 +192,21 @@ std::optional<Collector::TimePoint> Collector::SendOrders(TimePoint now) {
 }
 
 void Collector::SendPlan(TimePoint now) {
-  for (const orders::Assignment& assignment : plan_.HandOut(now)) {
-    EpisodeOrder order;
-    order.incarnation = incarnation_;
-    order.actor_id = assignment.actor_id;
-    order.weights_version = assignment.weights_version;
-    const auto& numbers = assignment.numbers;
-    for (std::size_t first = 0; first < numbers.size(); first += kMaxNumbersPerOrder) {
-      const std::size_t last = std::min(numbers.size(), first + kMaxNumbersPerOrder);
-      order.numbers.assign(numbers.begin() + std::ptrdiff_t(first),
-                           numbers.begin() + std::ptrdiff_t(last));
+  for (const assignments::Handout& handout : plan_.HandOut(now)) {
+    EpisodeAssignment assignment;
+    assignment.incarnation = incarnation_;
+    assignment.actor_id = handout.actor_id;
+    assignment.weights_version = handout.weights_version;
+    const auto& numbers = handout.numbers;
+    for (std::size_t first = 0; first < numbers.size(); first += kMaxNumbersPerAssignment) {
+      const std::size_t last = std::min(numbers.size(), first + kMaxNumbersPerAssignment);
+      assignment.numbers.assign(numbers.begin() + std::ptrdiff_t(first),
+                                numbers.begin() + std::ptrdiff_t(last));
       // Not connected: its next status brings it back, meanwhile others may play these.
-      if (!bus_.Send(order)) plan_.Lose(assignment.actor_id, now);
+      if (!bus_.Send(assignment)) plan_.Lose(handout.actor_id, now);
     }
   }
-  counts_.reordered = plan_.reordered();
+  counts_.reassigned = plan_.reassigned();
 }
 
 Collector::Collected Collector::Take(std::uint64_t batch, TimePoint now) {
@@ -214,7 +215,7 @@ Collector::Collected Collector::Take(std::uint64_t batch, TimePoint now) {
 
 void Collector::Publish(std::uint64_t version, const std::vector<Episode>& batch, TimePoint now) {
   batches_.CountEntered(batch);
-  // Without overlap nothing could be ordered meanwhile: that is no idleness of collecting.
+  // Without overlap nothing could be assigned meanwhile: that is no idleness of collecting.
   if (rules_.overlap == 0) plan_.TakeIdleShare(now);
   book_.Publish(version);
   desk_.Learnt(version * rules_.episodes_per_update);

@@ -10,25 +10,25 @@
 #include "common/messages/messages.h"
 #include "learner/algorithm/algorithm.h"
 #include "learner/collect/actor_registry.h"
+#include "learner/collect/assignments/assignment_plan.h"
+#include "learner/collect/assignments/number_book.h"
 #include "learner/collect/audit_desk.h"
 #include "learner/collect/batch_store.h"
 #include "learner/collect/episode_counts.h"
 #include "learner/collect/log_limit.h"
-#include "learner/collect/orders/number_book.h"
-#include "learner/collect/orders/order_plan.h"
 #include "learner/collect/trust/trust.h"
 
 namespace metronome::collect {
 
 /// Whom to ask for what, and whom to believe.
 struct CollectRules {
-  orders::OrderRules orders;
+  assignments::AssignmentRules assignments;
   trust::TrustRules trust;
   trust::AuditRules audit;
 };
 
-/// Gathers the batches of a run: sends orders, and takes each episode that comes the one way from
-/// the wire to its batch (OnEpisode). Not thread-safe; lives in the coordinator's thread. Bus
+/// Gathers the batches of a run: sends assignments, and takes each episode that comes the one way
+/// from the wire to its batch (OnEpisode). Not thread-safe; lives in the coordinator's thread. Bus
 /// errors pass through.
 class Collector {
  public:
@@ -47,7 +47,7 @@ class Collector {
   void OnBadSample(const BadSample& sample, TimePoint now);
 
   /// Settles and sends what is due. @return when to call again even if nothing happens.
-  std::optional<TimePoint> SendOrders(TimePoint now);
+  std::optional<TimePoint> SendAssignments(TimePoint now);
 
   /// Episodes of the batch that are accepted so far; E: it is complete.
   [[nodiscard]] std::uint64_t AcceptedOf(std::uint64_t batch) const {
@@ -55,7 +55,7 @@ class Collector {
   }
   struct Collected {
     BatchStore::Batch batch;
-    double idle_share = 0;  // of the actors' slots while it was collected
+    double idle_share = 0;  // of the actors' envs while it was collected
   };
   /// A complete batch, to be learnt from.
   Collected Take(std::uint64_t batch, TimePoint now);
@@ -66,7 +66,7 @@ class Collector {
 
   /// For people who watch.
   [[nodiscard]] const EpisodeCounts& counts() const { return counts_; }
-  [[nodiscard]] const orders::Roster& roster() const { return plan_.roster(); }
+  [[nodiscard]] const assignments::Roster& roster() const { return plan_.roster(); }
   [[nodiscard]] std::vector<ActorReport> ReportActors(TimePoint now) const {
     return registry_.Report(roster(), counts_, now);
   }
@@ -93,23 +93,23 @@ class Collector {
   void Exclude(const std::string& host, std::uint64_t number, TimePoint now);
   void SendPlan(TimePoint now);
   void Complain(const std::string& text, TimePoint now);
-  void WarnOfManySlots();
+  void WarnOfManyEnvs();
   [[nodiscard]] std::string Called(std::uint64_t actor_id) const;
 
   LearnerBus& bus_;
   const algorithm::Algorithm& algorithm_;
   std::uint64_t incarnation_;
-  orders::OrderRules rules_;
+  assignments::AssignmentRules rules_;
   trust::Trust trust_;
   ActorRegistry registry_;
-  orders::NumberBook book_;
-  orders::OrderPlan plan_;
+  assignments::NumberBook book_;
+  assignments::AssignmentPlan plan_;
   BatchStore batches_;
   AuditDesk desk_;
   EpisodeCounts counts_;
   std::map<std::uint64_t, PolicySnapshot> snapshots_;  // by version
   LogLimit complaints_;
-  std::uint64_t slots_warned_of_ = 0;
+  std::uint64_t envs_warned_of_ = 0;
 };
 
 }  // namespace metronome::collect

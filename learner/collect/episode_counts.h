@@ -7,7 +7,7 @@
 
 namespace metronome::collect {
 
-/// What became of orders and samples since this process started.
+/// What became of assignments and samples in this incarnation.
 struct EpisodeCounts {
   struct ByActor {
     std::uint64_t accepted = 0;
@@ -15,8 +15,8 @@ struct EpisodeCounts {
     std::uint64_t duplicates = 0;
     bool operator==(const ByActor&) const = default;
   };
-  std::uint64_t stale = 0;      // for another start of the learner: the new orders answer them
-  std::uint64_t reordered = 0;  // numbers ordered again: lost, late, doubtful
+  std::uint64_t stale = 0;       // of another incarnation; nobody waits for them
+  std::uint64_t reassigned = 0;  // numbers reassigned: lost, late, doubtful
   std::uint64_t accepted = 0;
   std::uint64_t duplicates = 0;  // of accepted numbers, differing ones among them
   std::uint64_t differing_duplicates = 0;

@@ -42,15 +42,15 @@ struct Group {
 };
 
 // Stable counting sort: samples of one head lie together, so that each head is one product.
-std::vector<std::uint32_t> OrderByHead(const std::vector<std::uint16_t>& head,
-                                       const std::vector<std::uint32_t>& samples,
-                                       std::size_t heads) {
+std::vector<std::uint32_t> SortByHead(const std::vector<std::uint16_t>& head,
+                                      const std::vector<std::uint32_t>& samples,
+                                      std::size_t heads) {
   std::vector<std::size_t> begin(heads + 1, 0);
   for (const std::uint32_t sample : samples) ++begin[head[sample] + 1U];
   for (std::size_t i = 1; i <= heads; ++i) begin[i] += begin[i - 1];
-  std::vector<std::uint32_t> ordered(samples.size());
-  for (const std::uint32_t sample : samples) ordered[begin[head[sample]]++] = sample;
-  return ordered;
+  std::vector<std::uint32_t> by_head(samples.size());
+  for (const std::uint32_t sample : samples) by_head[begin[head[sample]]++] = sample;
+  return by_head;
 }
 
 struct Moments {
@@ -100,12 +100,12 @@ struct MinibatchStep::Impl {
   }
 
   void PrepareShards(const TrainingBatch& batch) {
-    shards.assign(ShardsOf(ordered.size()), {});
+    shards.assign(ShardsOf(by_head.size()), {});
     grouping = ShardGroups::Of(shards.size());
     for (std::size_t s = 0; s < shards.size(); ++s) {
       Shard& shard = shards[s];
       for (std::size_t i = 0; i < ShardSize(s); ++i) {
-        const std::int32_t head = batch.head[ordered[s * kShardSamples + i]];
+        const std::int32_t head = batch.head[by_head[s * kShardSamples + i]];
         if (shard.runs.empty() || shard.runs.back().head != head) {
           shard.runs.push_back({head, std::int32_t(i), 0});
         }
@@ -116,7 +116,7 @@ struct MinibatchStep::Impl {
   }
 
   [[nodiscard]] std::size_t ShardSize(std::size_t s) const {
-    return std::min(kShardSamples, ordered.size() - s * kShardSamples);
+    return std::min(kShardSamples, by_head.size() - s * kShardSamples);
   }
 
   // Forward, loss and backward of the policy over the shards of one group, in order.
@@ -135,7 +135,7 @@ struct MinibatchStep::Impl {
   void AddActorShard(const TrainingBatch& batch, const float* parameters, float entropy_coefficient,
                      std::size_t s, Group& group, float* gradient) const {
     const std::vector<HeadRun>& runs = shards[s].runs;
-    const std::uint32_t* samples = ordered.data() + s * kShardSamples;
+    const std::uint32_t* samples = by_head.data() + s * kShardSamples;
     Gather(batch.input, samples, ShardSize(s), group.actor_input);
     const Eigen::MatrixXf& mean = group.actor.Forward(parameters, group.actor_input, runs);
     group.d_mean.resize(shape.action, mean.cols());
@@ -199,7 +199,7 @@ struct MinibatchStep::Impl {
   void AddCriticShard(const TrainingBatch& batch, const float* block, std::size_t s, Group& group,
                       float* gradient) const {
     const std::vector<HeadRun>& runs = shards[s].value_runs;
-    const std::uint32_t* samples = ordered.data() + s * kShardSamples;
+    const std::uint32_t* samples = by_head.data() + s * kShardSamples;
     Gather(batch.input, samples, ShardSize(s), group.critic_input);
     const Eigen::MatrixXf& value = group.critic.Forward(block, group.critic_input, runs);
     group.d_value.resize(1, value.cols());
@@ -251,7 +251,7 @@ struct MinibatchStep::Impl {
   std::vector<Group> groups;
   GradientReducer reducer;
   // Of the minibatch in work.
-  std::vector<std::uint32_t> ordered;
+  std::vector<std::uint32_t> by_head;
   std::vector<Shard> shards;
   ShardGroups grouping;
   float inv_samples = 0;
@@ -267,7 +267,7 @@ MinibatchSums MinibatchStep::Run(const TrainingBatch& batch,
                                  const std::vector<std::uint32_t>& samples,
                                  const StepSettings& settings, OptimiserState& state) {
   Impl& impl = *impl_;
-  impl.ordered = OrderByHead(batch.head, samples, std::size_t(impl.shape.heads));
+  impl.by_head = SortByHead(batch.head, samples, std::size_t(impl.shape.heads));
   impl.inv_samples = 1.0F / float(samples.size());
   impl.advantage = AdvantageMoments(batch.advantage, samples);
   impl.PrepareShards(batch);

@@ -40,7 +40,7 @@ struct StepSettings {
 };
 
 /// One gradient step on one minibatch, on all threads of a team and with the same bits on any
-/// number of them: the minibatch, ordered by head, is cut into fixed shards of kShardSamples; whole
+/// number of them: the minibatch, sorted by head, is cut into fixed shards of kShardSamples; whole
 /// shards make at most 64 groups (gradient_reducer.h); each group's gradient is computed alone,
 /// shard by shard in order; groups are summed in order.
 class MinibatchStep {

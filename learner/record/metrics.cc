@@ -26,22 +26,22 @@ std::vector<algorithm::Metric> WallMetrics(const algorithm::UpdateReport& report
           {"wall_seconds", "wall/seconds", wall.seconds,
            "wall-clock: time the run has taken, all starts together"},
           {"wall_collect_seconds", "wall/collect_seconds", wall.collect_seconds,
-           "wall-clock: of this batch, from when its orders could go out to the start of its "
+           "wall-clock: of this batch, from when its assignments could go out to the start of its "
            "update; with `overlap: 1` that includes waiting for the update before"},
           {"wall_update_seconds", "wall/update_seconds", wall.update_seconds,
            "wall-clock: of learning alone"},
           {"wall_idle_share", "wall/idle_share", wall.idle_share,
-           "wall-clock: share of the actors' slots without an order while collecting; with "
+           "wall-clock: share of the actors' envs without an assignment while collecting; with "
            "`overlap: 1` since the start of the update before, waiting for its end included"},
           {"wall_bytes_sent", "wall/bytes_sent", wall.bytes_sent,
-           "wall-clock: payload since this start"},
+           "wall-clock: payload in this incarnation"},
           {"wall_bytes_received", "wall/bytes_received", wall.bytes_received,
-           "wall-clock: payload since this start"},
+           "wall-clock: payload in this incarnation"},
           {"wall_actors", "wall/actors", wall.actors, "wall-clock: connected actors"},
-          {"wall_slots", "wall/slots", wall.slots,
+          {"wall_envs", "wall/envs", wall.envs,
            "wall-clock: the episodes that connected actors play at once"},
-          {"wall_orders_repeated", "wall/orders_repeated", wall.orders_repeated,
-           "wall-clock: episodes ordered again since this start (lost, late, doubtful)"}};
+          {"wall_episodes_reassigned", "wall/episodes_reassigned", wall.episodes_reassigned,
+           "wall-clock: episodes assigned again in this incarnation (lost, late, doubtful)"}};
 }
 
 }  // namespace

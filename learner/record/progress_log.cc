@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include "common/process/files.h"
 #include "common/text/number_text.h"
@@ -30,6 +31,17 @@ std::string HeaderOf(const std::vector<algorithm::Metric>& algorithm) {
   return header + "\n";
 }
 
+/// Two columns had other names until version 0.1; a file that has them goes on with them.
+std::string WithNewNames(std::string header) {
+  constexpr std::pair<std::string_view, std::string_view> kRenamed[] = {
+      {"wall_slots", "wall_envs"}, {"wall_orders_repeated", "wall_episodes_reassigned"}};
+  for (const auto& [before, now] : kRenamed) {
+    const std::size_t at = header.find(before);
+    if (at != std::string::npos) header.replace(at, before.size(), now);
+  }
+  return header;
+}
+
 }  // namespace
 
 void ProgressLog::RequireHeader(const std::string& path,
@@ -37,7 +49,7 @@ void ProgressLog::RequireHeader(const std::string& path,
   if (!std::filesystem::exists(path)) return;
   const std::string content = process::ReadFile(path);
   const std::size_t size = content.find('\n') + 1;
-  if (size == 0 || content.substr(0, size) == HeaderOf(algorithm)) return;
+  if (size == 0 || WithNewNames(content.substr(0, size)) == HeaderOf(algorithm)) return;
   throw std::invalid_argument(
       path +
       " has other columns than this build writes: go on with the build that wrote it, or move the "

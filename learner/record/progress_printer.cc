@@ -34,7 +34,7 @@ ProgressPrinter::ProgressPrinter(ProgressStyle style, RunFacts facts,
 void ProgressPrinter::Started(std::uint64_t version, std::uint64_t steps) {
   updates_total_ = facts_.length.UpdatesAt(version, steps);
   if (style_ == ProgressStyle::kLines) {
-    Say(fmt::format("run {} (start {}): update {} of {}, results in {}", facts_.run,
+    Say(fmt::format("run {} (incarnation {}): update {} of {}, results in {}", facts_.run,
                     facts_.incarnation, version, updates_total_, facts_.path));
   } else if (style_ == ProgressStyle::kJson) {
     Say(TextOf({{"event", "started"},
@@ -76,7 +76,7 @@ void ProgressPrinter::Updated(const algorithm::UpdateReport& report, const WallR
                 {"seconds", wall.seconds},
                 {"eta_seconds", eta},
                 {"actors", wall.actors},
-                {"slots", wall.slots},
+                {"envs", wall.envs},
                 {"idle_share", wall.idle_share}}));
   }
 }

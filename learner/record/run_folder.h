@@ -13,7 +13,7 @@ class RunFolderBusy : public std::runtime_error {
 };
 
 /// runs/NAME, held by one learner at a time: an flock on FOLDER/lock that dies with the process,
-/// and FOLDER/incarnation, the counter that grows at each start. Not thread-safe.
+/// and FOLDER/incarnation, which grows by one at each start. Not thread-safe.
 class RunFolder {
  public:
   /// Makes the folder if needed and locks it; does not block.

@@ -70,7 +70,7 @@ std::optional<int> Coordinator::AwaitRivals() {
     if (!event) continue;
     if (const auto* seen = std::get_if<RivalSeen>(&*event)) {
       spdlog::info(
-          "another learner of this run is seen (id {}, start {}); waiting whether it lives",
+          "another learner of this run is seen (id {}, incarnation {}); waiting whether it lives",
           seen->description.learner_id, seen->description.incarnation);
       rivals_.See(seen->description, now_());
     } else if (const auto* lost = std::get_if<RivalLost>(&*event)) {
@@ -81,7 +81,7 @@ std::optional<int> Coordinator::AwaitRivals() {
   return std::nullopt;
 }
 
-// The state is safely on disk before the first order.
+// The state is safely on disk before the first assignment.
 bool Coordinator::Begin() {
   const checkpoint::TrainState state = CopyState();
   record_.Begin();
@@ -128,7 +128,7 @@ void Coordinator::ServeOnce() {
   CallForActors(now);
   if (now >= status_.due()) PublishStatus(StateNow());
   TimePoint deadline = std::min<TimePoint>(now + kLongWait, status_.due());
-  for (const auto& due : {collector_.SendOrders(now), rivals_.NextDeadline(now), next_call_}) {
+  for (const auto& due : {collector_.SendAssignments(now), rivals_.NextDeadline(now), next_call_}) {
     if (due) deadline = std::min(deadline, *due);
   }
   if (auto event = bus_.Wait(deadline)) Handle(std::move(*event), now_());
@@ -175,7 +175,7 @@ void Coordinator::KeepExclusions(TimePoint now) {
 
 void Coordinator::OnRival(const RivalSeen& rival, TimePoint now) {
   if (rival.description.serving) {
-    spdlog::warn("another learner serves this run too: id {}, start {}, {}",
+    spdlog::warn("another learner serves this run too: id {}, incarnation {}, {}",
                  rival.description.learner_id, rival.description.incarnation,
                  rival.description.build);
   }
@@ -215,9 +215,9 @@ void Coordinator::StartUpdateIfReady() {
     return;
   }
   const TimePoint now = now_();
-  const std::uint64_t orderable_since = version_ - std::min(version_, setup_.rules.overlap);
+  const std::uint64_t assignable_since = version_ - std::min(version_, setup_.rules.overlap);
   update_.Start(collector_.Take(version_, now),
-                SecondsBetween(published_.lower_bound(orderable_since)->second, now));
+                SecondsBetween(published_.lower_bound(assignable_since)->second, now));
 }
 
 void Coordinator::FinishUpdateIfDone() {
@@ -230,7 +230,7 @@ void Coordinator::FinishUpdateIfDone() {
   steps_ = algorithm_.counters().steps;
   collector_.Publish(++version_, *outcome->collected.batch, now_());
   PublishState(false);
-  if (!ending_ && !IsFinished()) collector_.SendOrders(now_());
+  if (!ending_ && !IsFinished()) collector_.SendAssignments(now_());
   const bool milestone = setup_.milestone_every > 0 && version_ % setup_.milestone_every == 0;
   std::optional<checkpoint::TrainState> state;  // to encode it takes a while
   if (version_ % setup_.checkpoint_every == 0 || milestone || IsFinished()) state = CopyState();
@@ -282,8 +282,8 @@ record::WallReport Coordinator::WallReportOf(const BackgroundUpdate::Outcome& ou
   wall.bytes_sent = bus_.bytes_sent();
   wall.bytes_received = bus_.bytes_received();
   wall.actors = collector_.roster().actors().size();
-  wall.slots = collector_.roster().slots();
-  wall.orders_repeated = collector_.counts().reordered;
+  wall.envs = collector_.roster().envs();
+  wall.episodes_reassigned = collector_.counts().reassigned;
   return wall;
 }
 
@@ -362,7 +362,7 @@ std::string Coordinator::AccountingText() const {
   std::string text = accounting.exact() ? "every episode number entered exactly one update: "
                                         : "NOT every episode number entered exactly one update: ";
   text += std::to_string(accounting.once) + " of " + std::to_string(accounting.total) +
-          " (re-ordered " + std::to_string(counts.reordered) + ", duplicates " +
+          " (reassigned " + std::to_string(counts.reassigned) + ", duplicates " +
           std::to_string(counts.duplicates) + ", rejected " + std::to_string(counts.rejected);
   if (counts.differing_duplicates > 0) {
     text += ", DIFFERING DUPLICATES " + std::to_string(counts.differing_duplicates);

@@ -24,7 +24,7 @@ namespace metronome::run {
 /// What a coordinator is told once.
 struct CoordinatorSetup {
   RunDescription description;  // serving and finished are the coordinator's to set
-  collect::orders::OrderRules
+  collect::assignments::AssignmentRules
       rules;  // updates_total: where episodes end early, more than there ever will be
   /// Of the environment: the run ends with the update that reaches them, or with the last one.
   std::uint64_t total_steps = std::numeric_limits<std::uint64_t>::max();
@@ -34,7 +34,7 @@ struct CoordinatorSetup {
   std::string canonical_digest;            // the checkpoint's; empty at first
   StatusFacts status;
   std::function<void(const LearnerStatus&)> on_status;  // called with each that is published
-  double seconds_before = 0;           // wall-clock: that the run took before this start
+  double seconds_before = 0;           // wall-clock: that the run took before this incarnation
   std::uint64_t checkpoint_every = 1;  // updates
   std::uint64_t milestone_every = 0;   // updates; 0: none
   bool resumed = false;                // the state is that of an existing checkpoint
@@ -45,7 +45,7 @@ struct CoordinatorSetup {
   std::chrono::milliseconds farewell{5000};  // actors have this long to leave a finished run
 };
 
-/// The learner's main loop: looks for rivals, orders and gathers episodes, has them learnt from,
+/// The learner's main loop: looks for rivals, assigns and gathers episodes, has them learnt from,
 /// publishes weights, keeps checkpoints, ends the run. One thread, which only ever waits in
 /// LearnerBus::Wait; updates run beside it in `background`.
 class Coordinator {

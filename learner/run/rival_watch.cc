@@ -48,7 +48,7 @@ std::optional<std::string> RivalWatch::MustStop(TimePoint now) const {
     if (!at || now < *at) continue;
     return "run " + rival.description.run_name + " has another learner, which " +
            (rival.description.serving ? "serves it" : "starts as well and has the lower id") +
-           ": id " + std::to_string(id) + ", start " +
+           ": id " + std::to_string(id) + ", incarnation " +
            std::to_string(rival.description.incarnation) + ", " + rival.description.build;
   }
   return std::nullopt;

@@ -93,7 +93,7 @@ RunStart StartOf(const RunRequest& request, const algorithm::AlgorithmFactory& f
   auto found = checkpoint::FindNewestCheckpoint(folder, request.specs);
   if (!found) {
     RequireNoProgress(request, folder);
-    // Killed before its first checkpoint, so before its first order: nothing is lost.
+    // Killed before its first checkpoint, so before its first assignment: nothing is lost.
     spdlog::info("run {} has no checkpoint yet: it begins at version 0", request.run);
     return FreshStart(request, factory);
   }

@@ -8,7 +8,7 @@
 namespace metronome::run {
 
 StatusReport::StatusReport(StatusFacts facts, const RunDescription& description,
-                           const collect::orders::OrderRules& rules)
+                           const collect::assignments::AssignmentRules& rules)
     : length_(facts.length) {
   status_.incarnation = description.incarnation;
   status_.learner_id = description.learner_id;
@@ -58,14 +58,14 @@ LearnerStatus StatusReport::Make(LearnerStatus::State state, const collect::Coll
   status_.batch_episodes = collector.AcceptedOf(status_.version);
   const collect::EpisodeCounts& counts = collector.counts();
   status_.accepted = counts.accepted;
-  status_.reordered = counts.reordered;
+  status_.reassigned = counts.reassigned;
   status_.duplicates = counts.duplicates;
   status_.rejected = counts.rejected;
   status_.stale = counts.stale;
   status_.bytes_sent = bus.bytes_sent();
   status_.bytes_received = bus.bytes_received();
   status_.actors_total = collector.roster().actors().size();
-  status_.slots_total = collector.roster().slots();
+  status_.envs_total = collector.roster().envs();
   status_.actors = collector.ReportActors(now);
   return status_;
 }

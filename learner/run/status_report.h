@@ -27,9 +27,9 @@ class StatusReport {
 
   /// @param description  of the learner. @param rules  of the run.
   StatusReport(StatusFacts facts, const RunDescription& description,
-               const collect::orders::OrderRules& rules);
+               const collect::assignments::AssignmentRules& rules);
 
-  /// The run is served from here on. @param seconds_before  that it took before this start.
+  /// The run is served from here on. @param seconds_before  that it took before this incarnation.
   void Begin(std::uint64_t version, std::uint64_t steps, double seconds_before, TimePoint now);
   void Updated(const algorithm::UpdateReport& report, const record::WallReport& wall);
   void Saved(std::uint64_t version) { status_.checkpoint_version = version; }

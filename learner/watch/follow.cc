@@ -16,7 +16,7 @@
 namespace metronome::watch {
 namespace {
 
-// After the first learner another one may be heard, of a newer start.
+// After the first learner another one may be heard, of a newer incarnation.
 constexpr std::chrono::milliseconds kGrace{300};
 
 Clock::duration TicksOf(double seconds) {
@@ -72,8 +72,8 @@ int SayLost(const LearnerStatus& status) {
   return process::kExitNoLearner;
 }
 
-/// Shows each further status of this learner, or of a newer start, to the end, and in its silence
-/// the last one again with its age. @return an ExitCode.
+/// Shows each further status of this learner, or of a newer incarnation, to the end, and in its
+/// silence the last one again with its age. @return an ExitCode.
 int Follow(ObserverBus& bus, Found found, bool json, std::ostream& out) {
   LearnerStatus& newest = found.newest;
   auto made = Clock::now() - TicksOf(newest.age_seconds);

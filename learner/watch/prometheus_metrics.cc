@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "learner/watch/old_names.h"
+
 namespace metronome::watch {
 namespace {
 
@@ -32,6 +34,15 @@ ClientMetric Sample(Labels labels, prometheus::MetricType type, double value) {
 
 MetricFamily Family(const StatusNumber& number, std::vector<ClientMetric> samples) {
   return {number.metric, number.help, TypeOf(number), std::move(samples)};
+}
+
+/// The same samples under the name that they had before.
+void AddOldName(const OldName* old_name, std::vector<MetricFamily>& families) {
+  if (old_name == nullptr) return;
+  MetricFamily old = families.back();
+  old.help = "Old name of " + old.name + ".";
+  old.name = old_name->old_metric;
+  families.push_back(std::move(old));
 }
 
 MetricFamily Gauges(const char* name, const char* help, std::vector<ClientMetric> samples) {
@@ -61,6 +72,7 @@ MetricFamily Info(const LearnerStatus& status) {
                          {"engine", status.engine},
                          {"host", status.host},
                          {"pid", std::to_string(status.pid)},
+                         {"incarnation", std::to_string(status.incarnation)},
                          {"start", std::to_string(status.incarnation)}},
                         kGauge, 1)});
 }
@@ -76,6 +88,7 @@ std::vector<MetricFamily> PrometheusMetrics(const LearnerStatus& status, double 
   VisitRunNumbers([&](const StatusNumber& number, auto member) {
     const auto value = static_cast<double>(status.*member);
     families.push_back(Family(number, {Sample(run, TypeOf(number), value)}));
+    AddOldName(FindOldName(kOldRunNames, number.name), families);
   });
   if (status.actors.empty()) return families;
   VisitActorNumbers([&](const StatusNumber& number, auto member) {
@@ -85,6 +98,7 @@ std::vector<MetricFamily> PrometheusMetrics(const LearnerStatus& status, double 
       samples.push_back(Sample(LabelsOf(status, actor), TypeOf(number), value));
     }
     families.push_back(Family(number, std::move(samples)));
+    AddOldName(FindOldName(kOldActorNames, number.name), families);
   });
   return families;
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "learner/watch/old_names.h"
+
 namespace metronome::watch {
 namespace {
 
@@ -15,10 +17,18 @@ std::string TrustText(const ActorReport& actor) {
   return actor.on_probation ? "on probation" : "trusted";
 }
 
+template <std::size_t N>
+void AddOldNames(const OldName (&names)[N], Json& json) {
+  for (const OldName& row : names) {
+    if (row.old_name != nullptr) json[row.old_name] = json[std::string(row.name)];
+  }
+}
+
 Json JsonOf(const ActorReport& actor) {
   Json json = {{"name", actor.name}};
   VisitActorNumbers(
       [&](const StatusNumber& number, auto member) { json[number.name] = actor.*member; });
+  AddOldNames(kOldActorNames, json);
   return json;
 }
 
@@ -26,22 +36,22 @@ Json JsonOf(const ActorReport& actor) {
 
 std::string StatusTable(const LearnerStatus& status) {
   std::string text = fmt::format(
-      "run {} (start {}): {}, task {}, {}, learner {}:{}\n"
+      "run {} (incarnation {}): {}, task {}, {}, learner {}:{}\n"
       "update {}/{}  {}/{} steps  return {:.1f}  success {:.2f} (at the end {:.2f})  {:.0f} "
       "steps/s  "
       "{:.0f} s, {:.0f} s left\n"
-      "batch {}/{} episodes  collected in {:.1f} s, learnt in {:.1f} s, slots idle {:.0f} %  "
+      "batch {}/{} episodes  collected in {:.1f} s, learnt in {:.1f} s, envs idle {:.0f} %  "
       "checkpoint {}\n"
-      "episodes: accepted {}, re-ordered {}, duplicates {}, rejected {}, stale {}; bytes: sent {}, "
+      "episodes: accepted {}, reassigned {}, duplicates {}, rejected {}, stale {}; bytes: sent {}, "
       "received {}\n",
       status.run_name, status.incarnation, StateText(status.state), status.task, status.engine,
       status.host, status.pid, status.version, status.updates_total, status.steps,
       status.total_steps, status.mean_return, status.success, status.success_end, status.fps,
       status.seconds, status.eta_seconds, status.batch_episodes, status.episodes_per_update,
       status.collect_seconds, status.update_seconds, 100 * status.idle_share,
-      status.checkpoint_version, status.accepted, status.reordered, status.duplicates,
+      status.checkpoint_version, status.accepted, status.reassigned, status.duplicates,
       status.rejected, status.stale, status.bytes_sent, status.bytes_received);
-  text += fmt::format("{} actors with {} slots\n", status.actors_total, status.slots_total);
+  text += fmt::format("{} actors with {} envs\n", status.actors_total, status.envs_total);
   if (status.age_seconds >= kOldStatusSeconds) {
     text.insert(
         0,
@@ -51,13 +61,13 @@ std::string StatusTable(const LearnerStatus& status) {
   if (status.actors.empty()) return text;
   std::size_t width = 5;
   for (const ActorReport& actor : status.actors) width = std::max(width, actor.name.size());
-  text += fmt::format("{:<{}}  {:>5}  {:>8}  {:>8}  {:>8}  {:>6}  {:>6}  {:>7}  {}\n", "actor",
-                      width, "slots", "steps/s", "accepted", "rejected", "orders", "lag s",
+  text += fmt::format("{:<{}}  {:>5}  {:>8}  {:>8}  {:>8}  {:>8}  {:>6}  {:>7}  {}\n", "actor",
+                      width, "envs", "steps/s", "accepted", "rejected", "assigned", "lag s",
                       "heard s", "trust");
   for (const ActorReport& actor : status.actors) {
-    text += fmt::format("{:<{}}  {:>5}  {:>8.0f}  {:>8}  {:>8}  {:>6}  {:>6.1f}  {:>7.1f}  {}\n",
-                        actor.name, width, actor.slots, actor.steps_per_second, actor.accepted,
-                        actor.rejected, actor.orders, actor.oldest_order_seconds,
+    text += fmt::format("{:<{}}  {:>5}  {:>8.0f}  {:>8}  {:>8}  {:>8}  {:>6.1f}  {:>7.1f}  {}\n",
+                        actor.name, width, actor.envs, actor.steps_per_second, actor.accepted,
+                        actor.rejected, actor.assignments, actor.oldest_assignment_seconds,
                         actor.silent_seconds, TrustText(actor));
   }
   if (status.actors_total > status.actors.size()) {
@@ -75,6 +85,7 @@ std::string StatusJson(const LearnerStatus& status) {
       [&](const StatusNumber& number, auto member) { json[number.name] = status.*member; });
   json["actors"] = Json::array();
   for (const ActorReport& actor : status.actors) json["actors"].push_back(JsonOf(actor));
+  AddOldNames(kOldRunNames, json);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -124,13 +124,13 @@ void MakeEpochs(const RunConfig& config, const ppo::TrainingBatch& batch,
   ppo::OptimiserState optimiser{state.parameters, state.adam_m, state.adam_v, 0};
   const auto minibatch = std::size_t(config.ppo().minibatch());
   for (std::int32_t epoch = 0; epoch < config.ppo().epochs(); ++epoch) {
-    const std::vector<std::uint32_t> order = numbers::Permutation(
+    const std::vector<std::uint32_t> permutation = numbers::Permutation(
         std::uint32_t(batch.size()),
         {numbers::RandomPurpose::kShuffle, config.seed(), 0, std::uint64_t(epoch)});
-    for (std::size_t begin = 0; begin < order.size(); begin += minibatch) {
-      const std::size_t end = std::min(begin + minibatch, order.size());
-      const std::vector<std::uint32_t> samples(order.begin() + std::ptrdiff_t(begin),
-                                               order.begin() + std::ptrdiff_t(end));
+    for (std::size_t begin = 0; begin < permutation.size(); begin += minibatch) {
+      const std::size_t end = std::min(begin + minibatch, permutation.size());
+      const std::vector<std::uint32_t> samples(permutation.begin() + std::ptrdiff_t(begin),
+                                               permutation.begin() + std::ptrdiff_t(end));
       step.Run(batch, samples, {5e-4, 0.005}, optimiser);
     }
   }

@@ -28,7 +28,7 @@ struct Options {
   std::uint64_t recordings = 4;
   std::uint64_t prepared = 256;
   std::uint64_t actors = 1;
-  std::uint32_t slots = 1;
+  std::uint32_t envs = 1;
   std::uint64_t episodes = 1000;
   std::uint64_t rounds = 50;
   bool plays = false;
@@ -55,7 +55,7 @@ nlohmann::json RunActors(const Options& options) {
   std::vector<int> children;
   for (std::uint64_t i = 0; i < options.actors; ++i) {
     children.push_back(Fork([&, i] {
-      SimulatedActor actor(BusOf(options), i + 1, options.slots, bank);
+      SimulatedActor actor(BusOf(options), i + 1, options.envs, bank);
       made.Write('.');
       actor.Run();
     }));
@@ -97,7 +97,7 @@ int Main(int argc, char** argv) {
   CLI::App* actors = AddCommand(
       app, options, "actors", "actor processes that answer from a bank; says when they are ready");
   actors->add_option("--actors", options.actors, "processes");
-  actors->add_option("--slots", options.slots, "that each of them announces");
+  actors->add_option("--envs", options.envs, "that each of them announces");
   actors->add_option("--recordings", options.recordings, "episodes really played");
   actors->add_option("--prepared", options.prepared, "numbers worked out under version 0");
   CLI::App* transport = AddCommand(app, options, "transport", "processor time per episode");

@@ -16,9 +16,9 @@ constexpr std::chrono::seconds kStatusEvery{1};
 
 }  // namespace
 
-SimulatedActor::SimulatedActor(const BusOptions& bus, std::uint64_t actor_id, std::uint32_t slots,
+SimulatedActor::SimulatedActor(const BusOptions& bus, std::uint64_t actor_id, std::uint32_t envs,
                                const EpisodeBank& bank)
-    : actor_id_(actor_id), slots_(slots), bank_(bank), bus_(dds::MakeDdsActorBus(bus, actor_id)) {}
+    : actor_id_(actor_id), envs_(envs), bank_(bank), bus_(dds::MakeDdsActorBus(bus, actor_id)) {}
 
 void SimulatedActor::Run() {
   while (!over_) {
@@ -38,9 +38,9 @@ void SimulatedActor::Handle(ActorEvent& event) {
   } else if (auto* snapshot = std::get_if<PolicySnapshot>(&event)) {
     snapshots_.insert_or_assign(snapshot->version, std::move(*snapshot));
     if (snapshots_.size() > kSnapshotsKept) snapshots_.erase(snapshots_.begin());
-  } else if (auto* order = std::get_if<EpisodeOrder>(&event)) {
-    over_ = over_ || order->kind == EpisodeOrder::Kind::kRefuse;
-    waiting_.push_back(std::move(*order));
+  } else if (auto* assignment = std::get_if<EpisodeAssignment>(&event)) {
+    over_ = over_ || assignment->kind == EpisodeAssignment::Kind::kRefuse;
+    waiting_.push_back(std::move(*assignment));
   } else if (std::holds_alternative<LearnerLost>(event)) {
     over_ = learner_.has_value();
   }
@@ -55,20 +55,20 @@ void SimulatedActor::SendStatus() {
   status.engine = learner_->engine;
   status.build = "simulated";
   status.canonical_digest = "simulated";
-  status.slots = slots_;
+  status.envs = envs_;
   status.episodes_done = sent_;
   bus_->Send(status);
   next_status_ = Clock::now() + kStatusEvery;
 }
 
 void SimulatedActor::AnswerReady() {
-  for (const EpisodeOrder& order : std::exchange(waiting_, {})) {
-    const auto snapshot = snapshots_.find(order.weights_version);
+  for (const EpisodeAssignment& assignment : std::exchange(waiting_, {})) {
+    const auto snapshot = snapshots_.find(assignment.weights_version);
     if (snapshot == snapshots_.end()) {
-      waiting_.push_back(order);
+      waiting_.push_back(assignment);
       continue;
     }
-    for (const std::uint64_t number : order.numbers) Answer(number, snapshot->second);
+    for (const std::uint64_t number : assignment.numbers) Answer(number, snapshot->second);
   }
 }
 

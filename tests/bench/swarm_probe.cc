@@ -32,25 +32,25 @@ Event Next(Bus& bus) {
   throw std::runtime_error("the other end does not answer");
 }
 
-/// Says hello until an order shows that both ends see each other.
+/// Says hello until an assignment shows that both ends see each other.
 void JoinAsActor(ActorBus& bus) {
   for (auto deadline = Clock::now() + kPatience; Clock::now() < deadline;) {
     ActorStatus status;
     status.actor_id = kActorId;
-    status.slots = 1;
+    status.envs = 1;
     bus.Send(status);
     const auto event = bus.Wait(Clock::now() + kAsk);
-    if (event && std::holds_alternative<EpisodeOrder>(*event)) return;
+    if (event && std::holds_alternative<EpisodeAssignment>(*event)) return;
   }
   throw std::runtime_error("no learner answers");
 }
 
 void WelcomeActor(LearnerBus& bus) {
-  EpisodeOrder order;
-  order.actor_id = kActorId;
+  EpisodeAssignment assignment;
+  assignment.actor_id = kActorId;
   do {
     Next<ActorStatus>(bus);
-  } while (!bus.Send(order));
+  } while (!bus.Send(assignment));
 }
 
 /// Where the sending process gets its episodes.
@@ -95,7 +95,7 @@ void ActAsActor(const BusOptions& options, const EpisodeBank& bank, std::uint64_
   const auto bus = dds::MakeDdsActorBus(options, kActorId);
   JoinAsActor(*bus);
   SendEpisodes(*bus, source, kWarmUp);
-  Next<EpisodeOrder>(*bus);
+  Next<EpisodeAssignment>(*bus);
   TransportCost cost;
   const double cpu = ProcessSeconds();
   const double play = source.play_seconds();
@@ -150,7 +150,7 @@ TransportCost MeasureTransport(const BusOptions& options, const EpisodeBank& ban
     bus->Publish(RunDescription{});
     WelcomeActor(*bus);
     TakeEpisodes(*bus, kWarmUp);
-    EpisodeOrder go;
+    EpisodeAssignment go;
     go.actor_id = kActorId;
     bus->Send(go);
     const double cpu = ProcessSeconds();

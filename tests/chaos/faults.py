@@ -155,7 +155,7 @@ class BadWire(Fault):
 
     def end(self, team):
         happened = team.set_wire({})
-        self.struck = happened["reordered"] > 0 and happened["doubled"] > 0
+        self.struck = happened["reassigned"] > 0 and happened["doubled"] > 0
 
 
 class DiskFull(Fault):
@@ -192,7 +192,7 @@ class Hostile(Fault):
 
     KINDS = (
         *("wrong-head", "not-a-number", "infinite", "wrong-log-prob", "wrong-action", "too-short"),
-        *("wrong-version", "old-run", "replayed", "renumbered", "not-ordered"),
+        *("wrong-version", "old-run", "replayed", "renumbered", "not-assigned"),
         *("truncated", "oversized", "noise"),
     )
 

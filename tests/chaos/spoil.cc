@@ -94,7 +94,7 @@ Messages Renumbered(EpisodeMessage truth, EpisodeMessage& before) {
   return {first ? before : std::move(lie)};
 }
 
-Messages NotOrdered(EpisodeMessage truth, EpisodeMessage&) {
+Messages NotAssigned(EpisodeMessage truth, EpisodeMessage&) {
   EpisodeMessage extra = truth;
   extra.episode.number += 1'000'000;
   EpisodeMessage stranger = truth;
@@ -111,7 +111,7 @@ const std::vector<Spoiler::Kind>& Spoiler::Table() {
       {"wrong-action", WrongAction},   {"too-short", TooShort},
       {"wrong-version", WrongVersion}, {"old-run", OldRun},
       {"replayed", Replayed},          {"renumbered", Renumbered},
-      {"not-ordered", NotOrdered},     {"wrong-reward", WrongReward},
+      {"not-assigned", NotAssigned},   {"wrong-reward", WrongReward},
   };
   return table;
 }

@@ -35,15 +35,15 @@ def costs(growth):
 
 PLANS = [
     dict(cores=2, threads=2),
-    dict(cores=30, slots=4, episodes=64, overlap=1, gigabits=1),
-    dict(cores=100, slots=1, episodes=200, minibatches=20, overlap=1, check_share=0.05),
-    dict(cores=100, slots=16, episodes=200, epochs=1, threads=64, overlap=1, gigabits=1),
-    dict(cores=100, slots=1, episodes=200, epochs=1, threads=64, overlap=1, checkers=2, intakes=2),
+    dict(cores=30, envs=4, episodes=64, overlap=1, gigabits=1),
+    dict(cores=100, envs=1, episodes=200, minibatches=20, overlap=1, check_share=0.05),
+    dict(cores=100, envs=16, episodes=200, epochs=1, threads=64, overlap=1, gigabits=1),
+    dict(cores=100, envs=1, episodes=200, epochs=1, threads=64, overlap=1, checkers=2, intakes=2),
 ]
 
 
 def test_one_seed_gives_one_outcome_and_another_seed_another(growth, costs):
-    plan = growth.model.Plan(cores=20, slots=4, episodes=40, overlap=1)
+    plan = growth.model.Plan(cores=20, envs=4, episodes=40, overlap=1)
     first, again, other = (growth.model.simulate(plan, costs, seed=seed) for seed in (1, 1, 2))
     assert first == again
     assert first.steps_per_second != other.steps_per_second
@@ -68,7 +68,7 @@ def test_no_run_is_faster_than_its_smallest_part(growth, costs, words):
     an_episode = max(
         growth.measured.EPISODE_BYTES * 8 / (plan.gigabits * 1e9),
         (costs.receive + heard * costs.fanout) / plan.intakes,
-        (costs.handle + heard * costs.order + (0 if plan.checkers else plan.check_share * costs.check))
+        (costs.handle + heard * costs.assignment + (0 if plan.checkers else plan.check_share * costs.check))
         / plan.intakes,
         plan.check_share * costs.check / max(1, plan.checkers),
         growth.model.update_seconds(plan, costs) / plan.episodes,
@@ -81,24 +81,24 @@ def test_no_run_is_faster_than_its_smallest_part(growth, costs, words):
 def test_more_cores_are_never_slower_where_participants_stay_the_same(growth, costs):
     rates = []
     for cores in (1, 2, 5, 10, 20, 50, 100, 200):
-        plan = growth.model.Plan(cores=cores, slots=cores, episodes=400, minibatches=20, overlap=1)
+        plan = growth.model.Plan(cores=cores, envs=cores, episodes=400, minibatches=20, overlap=1)
         rates.append(growth.model.simulate(plan, costs, 4).steps_per_second)
     assert all(more > 0.98 * fewer for fewer, more in zip(rates, rates[1:])), rates
     assert rates[3] == pytest.approx(10 * rates[0], rel=0.05)
 
 
-def test_an_actor_never_plays_more_than_it_has_slots_for(growth, costs):
+def test_an_actor_never_plays_more_than_it_has_envs_for(growth, costs):
     for words in PLANS:
         found = growth.model.simulate(growth.model.Plan(**words), costs, 6)
         assert 0 <= found.idle <= 1
-        # What was begun before the window counts in it: an episode a slot at most.
+        # What was begun before the window counts in it: an episode an env at most.
         assert all(load < 1.05 for part, load in found.loads.items() if part != "presence"), found
 
 
-def test_what_an_order_costs_others_makes_many_small_processes_slower(growth, costs):
+def test_what_an_assignment_costs_others_makes_many_small_processes_slower(growth, costs):
     few, many = (
-        growth.model.simulate(growth.tables.big(400, slots=slots, epochs=1, threads=64), costs, 3)
-        for slots in (16, 1)
+        growth.model.simulate(growth.tables.big(400, envs=envs, epochs=1, threads=64), costs, 3)
+        for envs in (16, 1)
     )
     assert many.steps_per_second < few.steps_per_second and many.limit == "receiver"
 

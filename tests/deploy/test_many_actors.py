@@ -9,7 +9,7 @@ SETTINGS = (
 
 
 def run(stage, name, actors):
-    """@return weights_sha256 and the learner, whose actors were all there from the first order on."""
+    """@return weights_sha256 and the learner, whose actors were all there from the first assignment on."""
     learner = stage.learner(name, small=SETTINGS)
     team = [stage.actor(name) for _ in range(actors)]
     assert learner.wait() == 0, learner
@@ -21,5 +21,5 @@ def run(stage, name, actors):
 def test_sixty_four_actor_processes_give_the_weights_of_one(stage):
     expected, _ = run(stage, "one", 1)
     weights, learner = run(stage, "many", ACTORS)
-    assert learner.text.count(" joins with 1 slot") == ACTORS, learner
+    assert learner.text.count(" joins with 1 env") == ACTORS, learner
     assert weights == expected

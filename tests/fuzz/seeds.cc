@@ -51,12 +51,13 @@ void WriteWire(const Corpus& corpus) {
   corpus.WriteSample<wire::RunDescriptionPubSubType>("RunDescription", "one", description);
   corpus.WriteSample<wire::PolicySnapshotPubSubType>("PolicySnapshot", "one",
                                                      test::SomeSnapshot(3, 40));
-  corpus.WriteSample<wire::EpisodeOrderPubSubType>("EpisodeOrder", "run", test::SomeOrder(11, 5));
-  EpisodeOrder refusal = test::SomeOrder(11, 5);
-  refusal.kind = EpisodeOrder::Kind::kRefuse;
+  corpus.WriteSample<wire::EpisodeAssignmentPubSubType>("EpisodeAssignment", "run",
+                                                        test::SomeAssignment(11, 5));
+  EpisodeAssignment refusal = test::SomeAssignment(11, 5);
+  refusal.kind = EpisodeAssignment::Kind::kRefuse;
   refusal.numbers.clear();
   refusal.reason = "another engine";
-  corpus.WriteSample<wire::EpisodeOrderPubSubType>("EpisodeOrder", "refuse", refusal);
+  corpus.WriteSample<wire::EpisodeAssignmentPubSubType>("EpisodeAssignment", "refuse", refusal);
   corpus.WriteSample<wire::EpisodePubSubType>("Episode", "two-steps", test::SomeEpisode(7, 2));
   corpus.WriteSample<wire::ActorStatusPubSubType>("ActorStatus", "one", test::SomeStatus(11));
   corpus.WriteSample<wire::LearnerStatusPubSubType>("LearnerStatus", "two-actors",

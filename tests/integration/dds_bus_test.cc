@@ -36,11 +36,11 @@ TEST_P(DdsBusTest, EveryMessageArrivesAsItWasSent) {
   actor->Send(status);
   status.vouched_host = "127.0.0.1";
   EXPECT_EQ(Next<ActorStatus>(*learner), status);
-  EpisodeOrder order = SomeOrder(kBig, 40);
-  order.kind = EpisodeOrder::Kind::kRefuse;
-  order.reason = "because";
-  ASSERT_TRUE(learner->Send(order));
-  EXPECT_EQ(Next<EpisodeOrder>(*actor), order);
+  EpisodeAssignment assignment = SomeAssignment(kBig, 40);
+  assignment.kind = EpisodeAssignment::Kind::kRefuse;
+  assignment.reason = "because";
+  ASSERT_TRUE(learner->Send(assignment));
+  EXPECT_EQ(Next<EpisodeAssignment>(*actor), assignment);
 
   const EpisodeMessage episode = SomeEpisode(40);
   ASSERT_EQ(actor->Send(episode), ActorBus::SendResult::kSent);
@@ -161,9 +161,9 @@ TEST(DdsBusTest, RunsOfOtherNamesAreNotHeard) {
   EXPECT_EQ(Next<PolicySnapshot>(*actor), SomeSnapshot(9));
 }
 
-TEST(DdsBusTest, OrderForAnActorThatIsNotThereIsRefused) {
+TEST(DdsBusTest, AssignmentForAnActorThatIsNotThereIsRefused) {
   const auto learner = dds::MakeDdsLearnerBus(FreshRun());
-  EXPECT_FALSE(learner->Send(SomeOrder(11, 0)));
+  EXPECT_FALSE(learner->Send(SomeAssignment(11, 0)));
 }
 
 TEST(DdsBusTest, EpisodeWithoutALearnerIsRefused) {
@@ -201,7 +201,7 @@ TEST(DdsBusTest, ActorThatLeavesIsReportedOnce) {
   const auto lost = Next<ActorLost>(*learner);
   ASSERT_TRUE(lost);
   EXPECT_EQ(lost->actor_id, kBig);
-  EXPECT_FALSE(learner->Send(SomeOrder(kBig, 0)));
+  EXPECT_FALSE(learner->Send(SomeAssignment(kBig, 0)));
   learner->Wake();
   const auto next = learner->Wait(Soon());
   ASSERT_TRUE(next);

@@ -42,11 +42,11 @@ class Peer {
   pid_t pid_ = -1;
 };
 
-/// Retries at every event: the actor's order reader may be matched a moment after its status
+/// Retries at every event: the actor's assignment reader may be matched a moment after its status
 /// writer.
-bool SendWhenReachable(LearnerBus& learner, const EpisodeOrder& order) {
+bool SendWhenReachable(LearnerBus& learner, const EpisodeAssignment& assignment) {
   for (const Clock::time_point deadline = Soon(); Clock::now() < deadline;) {
-    if (learner.Send(order)) return true;
+    if (learner.Send(assignment)) return true;
     (void)learner.Wait(deadline);
   }
   return false;
@@ -118,18 +118,18 @@ TEST(DdsFaultsTest, StoppedActorIsLostAndComesBack) {
   const auto lost = Next<ActorLost>(*learner);
   ASSERT_TRUE(lost);
   EXPECT_EQ(lost->actor_id, 7);
-  EXPECT_FALSE(learner->Send(SomeOrder(7, 0)));
+  EXPECT_FALSE(learner->Send(SomeAssignment(7, 0)));
   peer.Signal(SIGCONT);
   const auto back = Next<ActorStatus>(*learner);
   ASSERT_TRUE(back);
   EXPECT_EQ(back->actor_id, 7);
-  constexpr std::uint64_t kOrdered = 1'000'000;
-  ASSERT_TRUE(SendWhenReachable(*learner, SomeOrder(7, kOrdered)));
+  constexpr std::uint64_t kAssigned = 1'000'000;
+  ASSERT_TRUE(SendWhenReachable(*learner, SomeAssignment(7, kAssigned)));
   std::optional<EpisodeMessage> answer;
   do {
     answer = Next<EpisodeMessage>(*learner);
     ASSERT_TRUE(answer);
-  } while (answer->episode.number != kOrdered);
+  } while (answer->episode.number != kAssigned);
 }
 
 TEST(DdsRejoinTest, AnActorThatJoinedByANewParticipantIsNotLostWithItsOldOne) {
@@ -146,9 +146,9 @@ TEST(DdsRejoinTest, AnActorThatJoinedByANewParticipantIsNotLostWithItsOldOne) {
   const auto lost = Next<ActorLost>(*learner);
   ASSERT_TRUE(lost);
   EXPECT_EQ(lost->actor_id, 12U);
-  EXPECT_TRUE(SendWhenReachable(*learner, SomeOrder(11, 7)));
-  const auto order = Next<EpisodeOrder>(*new_one);
-  ASSERT_TRUE(order);
+  EXPECT_TRUE(SendWhenReachable(*learner, SomeAssignment(11, 7)));
+  const auto assignment = Next<EpisodeAssignment>(*new_one);
+  ASSERT_TRUE(assignment);
 }
 
 }  // namespace

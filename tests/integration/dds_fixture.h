@@ -51,7 +51,7 @@ inline ActorStatus SomeStatus(std::uint64_t actor_id) {
   status.engine = "mujoco-0.0.0";
   status.build = "a compiler and its flags";
   status.canonical_digest = "0123abcd";
-  status.slots = 2;
+  status.envs = 2;
   status.episodes_done = 41;
   status.steps_per_second = 12345.5;
   return status;
@@ -75,7 +75,7 @@ inline LearnerStatus SomeLearnerStatus(std::uint64_t incarnation, std::size_t ac
   VisitRunNumbers([&](const StatusNumber&, auto member) { give(status.*member); });
   ActorReport report;
   VisitActorNumbers([&](const StatusNumber&, auto member) { give(report.*member); });
-  report.oldest_order_seconds = 37.5;
+  report.oldest_assignment_seconds = 37.5;
   for (std::size_t i = 0; i < actors; ++i) {
     report.name = "somewhere:" + std::to_string(i);
     report.on_probation = i % 2 == 0;
@@ -137,25 +137,25 @@ inline EpisodeMessage SomeEpisode(std::uint64_t number, std::size_t steps = 500)
   return message;
 }
 
-inline EpisodeOrder SomeOrder(std::uint64_t actor_id, std::uint64_t number) {
-  EpisodeOrder order;
-  order.incarnation = 3;
-  order.actor_id = actor_id;
-  order.weights_version = 5;
-  order.numbers = {number, number + 1};
-  return order;
+inline EpisodeAssignment SomeAssignment(std::uint64_t actor_id, std::uint64_t number) {
+  EpisodeAssignment assignment;
+  assignment.incarnation = 3;
+  assignment.actor_id = actor_id;
+  assignment.weights_version = 5;
+  assignment.numbers = {number, number + 1};
+  return assignment;
 }
 
-/// Publishes and waits until the learner knows the actor and orders can reach it.
+/// Publishes and waits until the learner knows the actor and assignments can reach it.
 inline bool Join(LearnerBus& learner, ActorBus& actor, std::uint64_t actor_id) {
   const Clock::time_point deadline = Soon();
-  EpisodeOrder probe = SomeOrder(actor_id, 0);
+  EpisodeAssignment probe = SomeAssignment(actor_id, 0);
   probe.numbers.clear();
   while (Clock::now() < deadline) {
     actor.Send(SomeStatus(actor_id));
     if (!Next<ActorStatus>(learner, Clock::now() + std::chrono::milliseconds(200))) continue;
     if (!learner.Send(probe)) continue;
-    return Next<EpisodeOrder>(actor, deadline).has_value();
+    return Next<EpisodeAssignment>(actor, deadline).has_value();
   }
   return false;
 }

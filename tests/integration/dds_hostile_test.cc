@@ -115,12 +115,12 @@ TEST(DdsHostileTest, LearnerStatusesOfAnyBytesAreReportedAndSurvived) {
   EXPECT_GE(*bad, kSurelyBad);
 }
 
-TEST(DdsHostileTest, OrdersOfAnyBytesAreSurvived) {
+TEST(DdsHostileTest, AssignmentsOfAnyBytesAreSurvived) {
   const BusOptions options = FreshRun();
   const auto actor = dds::MakeDdsActorBus(options, 11);
   // The content filter may drop what does not say whom it is for, so bad samples are not counted.
-  EXPECT_TRUE(BadSamplesBefore<wire::EpisodeOrderPubSubType>(
-      options, *actor, dds::kEpisodeOrderTopic, SomeOrder(11, 5)));
+  EXPECT_TRUE(BadSamplesBefore<wire::EpisodeAssignmentPubSubType>(
+      options, *actor, dds::kEpisodeAssignmentTopic, SomeAssignment(11, 5)));
 }
 
 TEST(DdsHostileTest, StatusOfAnotherProtocolVersionTellsItsVersionAndWhoItIs) {

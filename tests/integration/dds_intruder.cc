@@ -25,8 +25,8 @@ int Try(const BusOptions& options, const char* topic) {
     std::puts(Fate<wire::EpisodePubSubType>(options, dds::kEpisodeTopic));
   } else if (is("run_description")) {
     std::puts(Fate<wire::RunDescriptionPubSubType>(options, dds::kRunDescriptionTopic));
-  } else if (is("episode_order")) {
-    std::puts(Fate<wire::EpisodeOrderPubSubType>(options, dds::kEpisodeOrderTopic));
+  } else if (is("episode_assignment")) {
+    std::puts(Fate<wire::EpisodeAssignmentPubSubType>(options, dds::kEpisodeAssignmentTopic));
   } else if (is("policy_snapshot")) {
     std::puts(Fate<wire::PolicySnapshotPubSubType>(options, dds::kPolicySnapshotTopic));
   } else {
@@ -40,7 +40,7 @@ int Try(const BusOptions& options, const char* topic) {
 
 /// A writer that takes an identity's folder as it is, without this project's own checks: says
 /// whether anyone reads it. dds_intruder RUN DOMAIN FOLDER
-/// episode|run_description|episode_order|policy_snapshot
+/// episode|run_description|episode_assignment|policy_snapshot
 int main(int argc, char** argv) {
   if (argc != 5) return 2;
   metronome::BusOptions options;

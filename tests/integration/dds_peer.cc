@@ -13,8 +13,8 @@ int Serve(const BusOptions& options, std::uint64_t actor_id) {
     bus->Send(SomeStatus(actor_id));
     (void)bus->Send(SomeEpisode(number));
     const auto event = bus->Wait(Clock::now() + std::chrono::milliseconds(100));
-    const auto* order = event ? std::get_if<EpisodeOrder>(&*event) : nullptr;
-    if (order != nullptr) (void)bus->Send(SomeEpisode(order->numbers.front()));
+    const auto* assignment = event ? std::get_if<EpisodeAssignment>(&*event) : nullptr;
+    if (assignment != nullptr) (void)bus->Send(SomeEpisode(assignment->numbers.front()));
   }
   return 0;
 }
@@ -22,8 +22,8 @@ int Serve(const BusOptions& options, std::uint64_t actor_id) {
 }  // namespace
 }  // namespace metronome::test
 
-/// An actor in a process of its own, to be killed: says hello every 100 ms and answers orders until
-/// then. dds_peer RUN DOMAIN udp|shm ACTOR_ID
+/// An actor in a process of its own, to be killed: says hello every 100 ms and answers assignments
+/// until then. dds_peer RUN DOMAIN udp|shm ACTOR_ID
 int main(int argc, char** argv) {
   if (argc != 5) return 2;
   metronome::BusOptions options;

@@ -65,8 +65,8 @@ TEST(DdsQosTest, LiveEndpointsHaveTheQualityOfServiceOfTheTable) {
   const auto all = fdds::KEEP_ALL_HISTORY_QOS;
   ExpectQos<wire::RunDescriptionPubSubType>(dds::kRunDescriptionTopic, {transient, last, 1, 8});
   ExpectQos<wire::PolicySnapshotPubSubType>(dds::kPolicySnapshotTopic, {transient, last, 2, 8});
-  ExpectQos<wire::EpisodeOrderPubSubType>(dds::kEpisodeOrderTopic,
-                                          {volatile_kind, all, 4096, 1024});
+  ExpectQos<wire::EpisodeAssignmentPubSubType>(dds::kEpisodeAssignmentTopic,
+                                               {volatile_kind, all, 4096, 1024});
   ExpectQos<wire::EpisodePubSubType>(dds::kEpisodeTopic, {volatile_kind, all, 32, 256});
   ExpectQos<wire::ActorStatusPubSubType>(dds::kActorStatusTopic, {volatile_kind, last, 4, 256});
   ExpectQos<wire::LearnerStatusPubSubType>(dds::kLearnerStatusTopic, {transient, last, 1, 8});
@@ -167,7 +167,7 @@ class AnyReader final : public dds::fdds::DataWriterListener {
   std::atomic<int> count_{0};
 };
 
-TEST(DdsQosTest, ContentFilterLetsOnlyTheActorsOwnOrdersThrough) {
+TEST(DdsQosTest, ContentFilterLetsOnlyTheActorsOwnAssignmentsThrough) {
   const BusOptions options = FreshRun();
   constexpr std::uint64_t kMine = 0xFEDCBA9876543210;
   dds::Inbox inbox;
@@ -175,17 +175,18 @@ TEST(DdsQosTest, ContentFilterLetsOnlyTheActorsOwnOrdersThrough) {
   AnyReader readers(&inbox);
   dds::Participant sender(options, "sender");
   dds::Participant receiver(options, "receiver");
-  dds::Writer<wire::EpisodeOrderPubSubType> writer(&sender, dds::kEpisodeOrderTopic, &readers);
-  dds::Reader<wire::EpisodeOrderPubSubType> reader(&receiver, dds::kEpisodeOrderTopic, &watch,
-                                                   kMine);
+  dds::Writer<wire::EpisodeAssignmentPubSubType> writer(&sender, dds::kEpisodeAssignmentTopic,
+                                                        &readers);
+  dds::Reader<wire::EpisodeAssignmentPubSubType> reader(&receiver, dds::kEpisodeAssignmentTopic,
+                                                        &watch, kMine);
   ASSERT_TRUE(inbox.Wait(Soon(), [&] { return readers.there(); }));
   for (const std::uint64_t id : {kMine - 1, kMine, kMine + 1, std::uint64_t{0}, kMine}) {
-    EXPECT_EQ(writer.Write(SomeOrder(id, 0)), dds::WriteResult::kWritten);
+    EXPECT_EQ(writer.Write(SomeAssignment(id, 0)), dds::WriteResult::kWritten);
   }
   for (int expected = 0; expected < 2; ++expected) {
     const auto taken = inbox.Wait(Soon(), [&] { return reader.Take(); });
     ASSERT_TRUE(taken);
-    EXPECT_EQ(std::get<EpisodeOrder>(taken->content).actor_id, kMine);
+    EXPECT_EQ(std::get<EpisodeAssignment>(taken->content).actor_id, kMine);
   }
   EXPECT_TRUE(writer.WaitForAcknowledgements(seconds(20)));
   EXPECT_FALSE(reader.Take());
@@ -199,23 +200,23 @@ TEST(DdsQosTest, ARefusedSampleIsWrittenOnceThereIsRoom) {
   AnyReader readers(&inbox);
   dds::Participant sender(options, "sender");
   dds::Participant receiver(options, "receiver");
-  dds::Writer<wire::EpisodeOrderPubSubType> writer(&sender, small, &readers);
-  dds::Reader<wire::EpisodeOrderPubSubType> reader(&receiver, small, &watch);
+  dds::Writer<wire::EpisodeAssignmentPubSubType> writer(&sender, small, &readers);
+  dds::Reader<wire::EpisodeAssignmentPubSubType> reader(&receiver, small, &watch);
   ASSERT_TRUE(inbox.Wait(Soon(), [&] { return readers.there(); }));
   std::uint64_t count = 0;  // of samples that nobody takes, until both histories are full
   const auto fits = [&] {
-    return writer.WriteUntil(Clock::now() + std::chrono::milliseconds(500), SomeOrder(count, 0)) ==
-           dds::WriteResult::kWritten;
+    return writer.WriteUntil(Clock::now() + std::chrono::milliseconds(500),
+                             SomeAssignment(count, 0)) == dds::WriteResult::kWritten;
   };
   while (fits()) ASSERT_LT(++count, 10U);
 
   std::jthread writing([&] {
-    EXPECT_EQ(writer.WriteUntil(Soon(), SomeOrder(count, 0)), dds::WriteResult::kWritten);
+    EXPECT_EQ(writer.WriteUntil(Soon(), SomeAssignment(count, 0)), dds::WriteResult::kWritten);
   });
   for (std::uint64_t expected = 0; expected <= count; ++expected) {
     const auto taken = inbox.Wait(Soon(), [&] { return reader.Take(); });
     ASSERT_TRUE(taken);
-    EXPECT_EQ(std::get<EpisodeOrder>(taken->content).actor_id, expected);
+    EXPECT_EQ(std::get<EpisodeAssignment>(taken->content).actor_id, expected);
   }
 }
 

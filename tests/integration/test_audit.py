@@ -74,7 +74,7 @@ def test_an_audited_run_has_the_same_weights_and_says_what_was_compared(stage, s
 def test_a_host_that_computes_wrongly_is_named_and_excluded(stage, site, hosts, expected):
     learner = site.learner("--audit", "1")
     liar = site.liar("somebody")
-    learner.expect_text("actor somebody:")  # it has orders before anybody else is there
+    learner.expect_text("actor somebody:")  # it has assignments before anybody else is there
     honest = [site.actor("one"), site.actor("two")]
     assert is_sent_away(liar, hosts["false"].address), liar
     assert stage.finish("run", learner, honest) == expected

@@ -99,8 +99,8 @@ def test_cyclone_dds_sees_every_episode_once_and_every_float_and_the_run_does_no
     for number in range(count):
         reader.expect(lambda line: parse_json(line).get("episode") == number, f"episode {number}")
     episodes = said(reader, "episode")
-    reordered = int(re.search(r"re-ordered (\d+)", learner.text)[1])
-    assert len(episodes) <= count + reordered
+    reassigned = int(re.search(r"reassigned (\d+)", learner.text)[1])
+    assert len(episodes) <= count + reassigned
     told = [line for line in map(parse_json, learner.output) if "return" in line]
     assert returns_of(episodes) == {
         update["update"] - 1: pytest.approx(update["return"], rel=1e-6) for update in told

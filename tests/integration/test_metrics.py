@@ -70,7 +70,7 @@ def test_promtool_finds_nothing_to_say_of_a_scrape_and_who_leaves_is_not_in_it(r
     scrape = poll(lambda: (text := read(url)) and re.search(name, text) and text, "the first actor")
     verdict = promtool("check", "metrics", stdin=scrape)
     assert verdict.returncode == 0 and verdict.stdout + verdict.stderr == "", verdict
-    assert len(series(scrape, "metronome_actor_orders")) == 2
+    assert len(series(scrape, "metronome_actor_assignments")) == 2
     assert [line for line in series(scrape, "metronome_info") if 'task="push"' in line]
 
     shown = set(NAME.findall(scrape))
@@ -79,7 +79,7 @@ def test_promtool_finds_nothing_to_say_of_a_scrape_and_who_leaves_is_not_in_it(r
 
     actors[0].kill()
     rest = poll(lambda: not re.search(name, text := read(url)) and text, "one actor less")
-    assert len(series(rest, "metronome_actor_orders")) == 1
+    assert len(series(rest, "metronome_actor_assignments")) == 1
 
 
 def test_a_prometheus_server_scrapes_a_run_and_knows_the_alerts(stage, run, tmp_path):

@@ -121,7 +121,7 @@ def test_many_join_are_seen_and_are_missed_when_killed(stage, network, way):
     status = stage.status("seen", "--follow", *way.others, host=network.hosts["server"])
     for actor in team:
         actor.expect_text("joined run", seconds=AT_ONCE)
-    status.expect(lambda line: parse_json(line).get("slots_total") == 8, "eight actors", 20)
+    status.expect(lambda line: parse_json(line).get("envs_total") == 8, "eight actors", 20)
     if way.name == "discovery-server":  # a lost peer is missed without it too
         way.server.kill()
         learner.expect_text("the discovery server at", seconds=20)

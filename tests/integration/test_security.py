@@ -262,7 +262,7 @@ def test_an_identity_may_write_the_topics_of_its_role_alone(stage, identities, n
     learner.expect_event("started")
     actor_s = "is read" if name == "actor-0" else "may not be written"
     assert intrude(stage, identities / name, "episode") == actor_s
-    for topic in ("run_description", "episode_order", "policy_snapshot"):
+    for topic in ("run_description", "episode_assignment", "policy_snapshot"):
         assert intrude(stage, identities / name, topic) == "may not be written", topic
 
 

@@ -20,11 +20,11 @@ def test_a_running_run_is_shown_with_its_actors_as_a_table_and_as_json(stage):
     assert shown["run_name"] == "seen" and shown["task"] == "push"
     assert shown["pid"] == learner.child.pid
     assert -1 < shown["age_seconds"] < 3
-    assert shown["actors_total"] == 1 and shown["slots_total"] == 2
+    assert shown["actors_total"] == 1 and shown["envs_total"] == 2
     assert shown["actors"][0]["name"].endswith(f":{actor.child.pid}")
     table = status(stage, "seen")
     assert table.wait() == 0, table
-    assert f":{actor.child.pid}" in table.text and "1 actors with 2 slots" in table.text
+    assert f":{actor.child.pid}" in table.text and "1 actors with 2 envs" in table.text
     learner.signal(signal.SIGINT)
     assert learner.wait() == 130
     assert follower.wait() == 0, follower

@@ -92,7 +92,7 @@ def test_a_folder_is_one_namespace():
 
 
 def test_a_file_in_the_namespace_of_another_folder_is_found(tmp_path):
-    path = Path("learner/collect/orders/roster.cc")
+    path = Path("learner/collect/assignments/roster.cc")
     (tmp_path / path).parent.mkdir(parents=True)
     (tmp_path / path).write_text("namespace metronome::collect {\n}\n")
     assert misplaced([path], tmp_path) == [f"{path}: metronome::collect"]

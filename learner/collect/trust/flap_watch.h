@@ -21,10 +21,10 @@ struct FlapRules {
 
 /// Hosts that flap: whose actors are lost soon after they joined, again and again (a link that
 /// fails for seconds, a process that crashes and is restarted). Each loss costs the run what was
-/// ordered from that actor, so such a host's actors are on probation when they join: others are
+/// assigned to that actor, so such a host's actors are on probation when they join: others are
 /// preferred. Actors of one host that are lost together have flapped once. A long stay forgives
-/// everything, and so does being forgotten among too many flapping hosts: no more than orders that
-/// go to others again hangs on it. Pure logic on given time points; not thread-safe.
+/// everything, and so does being forgotten among too many flapping hosts: no more than assignments
+/// that go to others again hangs on it. Pure logic on given time points; not thread-safe.
 class FlapWatch {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;

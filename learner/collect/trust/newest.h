@@ -17,8 +17,8 @@ class Newest {
   /// Puts it in, or replaces it: it is the newest then. @return the kept value.
   Value& Put(const Key& key, Value value) {
     Erase(key);
-    if (entries_.size() >= most_) Erase(Key(order_.front()));
-    order_.push_back(key);
+    if (entries_.size() >= most_) Erase(Key(sequence_.front()));
+    sequence_.push_back(key);
     return entries_.emplace(key, std::move(value)).first->second;
   }
   /// nullptr if it is not there (any more).
@@ -27,13 +27,13 @@ class Newest {
     return entry == entries_.end() ? nullptr : &entry->second;
   }
   void Erase(const Key& key) {
-    if (entries_.erase(key) > 0) std::erase(order_, key);
+    if (entries_.erase(key) > 0) std::erase(sequence_, key);
   }
 
  private:
   std::size_t most_;
   std::map<Key, Value> entries_;
-  std::deque<Key> order_;  // oldest first
+  std::deque<Key> sequence_;  // oldest first
 };
 
 }  // namespace metronome::collect::trust

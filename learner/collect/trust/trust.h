@@ -15,7 +15,7 @@ namespace metronome::collect::trust {
 /// When to trust whom.
 struct TrustRules {
   FlapRules flaps;
-  // An actor that gave up an order is on trial after this, doubled with each further one.
+  // An actor that gave up an assignment is on trial after this, doubled with each further one.
   std::chrono::milliseconds first_rest{1000};
   std::chrono::milliseconds longest_rest{60'000};
   std::uint32_t bad_answers_allowed = 10;  // in a row, by one actor
@@ -26,10 +26,10 @@ struct TrustRules {
 ///
 /// | observed                           | of    | follows                            | until | |
 /// its actors come and go (flap)      | host  | others are asked first             | a long stay |
-/// | gives up an order (silence)        | actor | rests, then one order as its trial | it brings
-/// anything | | bad answers in a row               | actor | refused                            |
-/// it is forgotten    | | differs from other hosts (audit)   | host  | excluded, all its actors
-/// refused   | a person says so   |
+/// | gives up an assignment (silence)        | actor | rests, then one assignment as its trial | it
+/// brings anything | | bad answers in a row               | actor | refused | it is forgotten    |
+/// | differs from other hosts (audit)   | host  | excluded, all its actors refused   | a person
+/// says so   |
 ///
 /// Hosts are what the middleware vouches for (ActorStatus::vouched_host). Pure logic on given time
 /// points; not thread-safe.
@@ -51,7 +51,7 @@ class Trust {
   /// The actor is gone; unknown ones are ignored, here and below.
   void Lose(std::uint64_t actor_id, TimePoint now);
 
-  /// It did not answer an order for very long.
+  /// It did not answer an assignment for very long.
   void GaveUp(std::uint64_t actor_id, TimePoint now);
   /// It brought an episode, whatever that is worth: no silence any more.
   void Brought(std::uint64_t actor_id);
@@ -73,11 +73,12 @@ class Trust {
   [[nodiscard]] const std::string* ExclusionOf(const std::string& host) const;
   [[nodiscard]] const ExcludedHosts& excluded() const { return excluded_; }
 
-  /// What follows for orders to an actor.
+  /// What follows for assignments to an actor.
   struct State {
     bool on_probation = false;  // of its host: asked only if nobody else is there
     bool rests = false;         // because of its silence: as well
-    bool silent = false;        // gave up an order and has brought nothing since: one order at most
+    bool silent =
+        false;  // gave up an assignment and has brought nothing since: one assignment at most
     [[nodiscard]] bool reliable() const { return !on_probation && !rests; }
   };
   [[nodiscard]] State StateOf(std::uint64_t actor_id, TimePoint now) const;
@@ -86,15 +87,16 @@ class Trust {
 
  private:
   struct Actor {
-    TimePoint trusted_from;      // by its host's flaps
-    std::uint32_t silences = 0;  // times that it gave up orders since it last brought something
-    TimePoint rests_until;       // because of them
+    TimePoint trusted_from;  // by its host's flaps
+    std::uint32_t silences =
+        0;                  // times that it gave up assignments since it last brought something
+    TimePoint rests_until;  // because of them
     std::uint32_t bad_in_a_row = 0;
   };
 
   TrustRules rules_;
   FlapWatch flaps_;
-  std::unordered_map<std::uint64_t, Actor> actors_;  // that are there; asked for each order
+  std::unordered_map<std::uint64_t, Actor> actors_;  // that are there; asked for each assignment
   Newest<std::uint64_t, std::string> refused_;
   ExcludedHosts excluded_;
 };

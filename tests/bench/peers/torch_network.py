@@ -69,8 +69,8 @@ class Batch:
 
     def shuffled_minibatches(self, size):
         """One gather an epoch; the minibatches are views of it."""
-        order = torch.randperm(len(self.head))
-        shuffled = [getattr(self, name).index_select(0, order) for name in self.FIELDS]
+        permutation = torch.randperm(len(self.head))
+        shuffled = [getattr(self, name).index_select(0, permutation) for name in self.FIELDS]
         return zip(*(values.split(size) for values in shuffled))
 
 

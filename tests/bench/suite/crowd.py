@@ -38,7 +38,7 @@ def measure(options, record):
         for actors in crowds:
             _presence(options, actors, put)
             _versions(options, actors, put)
-            _orders(options, actors, put)
+            _assignments(options, actors, put)
         for task in options.tasks:
             _durations(options, task, put)
 
@@ -165,7 +165,7 @@ def _versions(options, actors, put):
     put(case, "version, bytes to_actors", "B an update", octets / updates)
 
 
-def _orders(options, actors, put):
+def _assignments(options, actors, put):
     """One batch whose episodes are ready before the learner starts: what one of them costs it, all told."""
     settings = _settings(options, "--set", "ppo.epochs=1", "--set", f"collection.episodes_per_update={BATCH}",
                          steps=500 * BATCH)

@@ -6,7 +6,7 @@ from suite import _stats, _wire
 
 NAME = "growth"
 HELP = "a real learner's intake from 1 to 256 simulated actors, and its memory over many updates"
-# (actor processes, slots each): real processes up to 64, then one that announces many slots.
+# (actor processes, envs each): real processes up to 64, then one that announces many envs.
 SWARMS = ((1, 1), (2, 1), (4, 1), (16, 1), (64, 1), (1, 64), (1, 256))
 SHARES = ("0.05", "1")
 
@@ -17,9 +17,9 @@ def measure(options, record):
             record(case=case, quantity=quantity, unit=unit, round=number, value=value,
                    engine=options.engine)
 
-        for processes, slots in SWARMS[:2] if options.quick else SWARMS:
+        for processes, envs in SWARMS[:2] if options.quick else SWARMS:
             for share in SHARES:
-                _intake(options, "udp", processes, slots, share, put)
+                _intake(options, "udp", processes, envs, share, put)
         _intake(options, "shm", 2, 1, SHARES[0], put)
         _memory(options, put)
 
@@ -33,24 +33,24 @@ def _settings(options, episodes, updates, share):
     ]
 
 
-def _intake(options, transport, processes, slots, share, put):
+def _intake(options, transport, processes, envs, share, put):
     """One huge batch under version 0, whose episodes are ready before the learner starts."""
     episodes = 128 if options.quick else 2048
     settings = _settings(options, episodes, 1, share)
     with _wire.stage(options, NAME) as stage:
         config = _wire.config_file(stage, *settings)
         actors = _wire.swarm(stage, "actors", config, transport, "--actors", processes,
-                             "--slots", slots, "--prepared", episodes)
+                             "--envs", envs, "--prepared", episodes)
         actors.expect_text("ready", _wire.PATIENCE)
         learner = _wire.learner(stage, transport, *settings)
         assert learner.wait(_wire.PATIENCE) == 0, learner
         cpu = _wire.result(actors)["cpu_seconds"]
         row = _wire.progress(stage)[0]
-    case = f"{transport}, {processes} x {slots}, check {share}"
+    case = f"{transport}, {processes} x {envs}, check {share}"
     seconds = row["wall_collect_seconds"]
     put(case, "intake", "MB/s", row["wall_bytes_received"] / 1e6 / seconds)
     put(case, "episodes", "1/s", episodes / seconds)
-    put(case, "repeated", "orders", row["wall_orders_repeated"])
+    put(case, "repeated", "assignments", row["wall_assignments_repeated"])
     put(case, "CPU", "ms of the actors' an episode", 1e3 * cpu / episodes)
 
 
@@ -88,10 +88,10 @@ def table(rows):
     memory = [[case, *(f"{of[name]:.1f}" for name in ("second quarter", "last quarter", "highest"))]
               for case, of in all_.items() if "highest" in of]
     return "\n\n".join([
-        "Intake of one learner, from its first order to the last episode of a batch of 2048 (92 KB each)."
-        " Simulated actors share the machine's cores with it; `processes x slots`, and the share of steps"
+        "Intake of one learner, from its first assignment to the last episode of a batch of 2048 (92 KB each)."
+        " Simulated actors share the machine's cores with it; `processes x envs`, and the share of steps"
         " that the learner recomputes:",
-        _stats.markdown(["", "MB/s", "episodes/s", "orders repeated", "actors' CPU, ms an episode"], intake),
+        _stats.markdown(["", "MB/s", "episodes/s", "assignments repeated", "actors' CPU, ms an episode"], intake),
         "Memory of the learner, MB (medians of the second and the last quarter of the updates):",
         _stats.markdown(["", "second quarter", "last quarter", "highest"], memory),
     ])

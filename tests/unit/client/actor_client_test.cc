@@ -46,14 +46,14 @@ PolicySnapshot Snapshot(std::uint64_t incarnation, std::uint64_t version) {
   return snapshot;
 }
 
-EpisodeOrder Order(std::uint64_t incarnation, std::uint64_t version,
-                   std::vector<std::uint64_t> numbers) {
-  EpisodeOrder order;
-  order.incarnation = incarnation;
-  order.actor_id = kActor;
-  order.weights_version = version;
-  order.numbers = std::move(numbers);
-  return order;
+EpisodeAssignment Assignment(std::uint64_t incarnation, std::uint64_t version,
+                             std::vector<std::uint64_t> numbers) {
+  EpisodeAssignment assignment;
+  assignment.incarnation = incarnation;
+  assignment.actor_id = kActor;
+  assignment.weights_version = version;
+  assignment.numbers = std::move(numbers);
+  return assignment;
 }
 
 /// Shared by the players of a test: how many play right now, and how they should.
@@ -115,11 +115,11 @@ class ActorClientTest : public testing::Test {
   void Start() {
     client_ = std::make_unique<ActorClient>(
         &bus_,
-        [this](const RunConfig& config, int slots) {
+        [this](const RunConfig& config, int envs) {
           if (set_up_fails_) throw std::runtime_error("no scene files");
           RunSetup setup;
           setup.canonical_digest = "digest of " + config.environment().task();
-          for (int i = 0; i < slots; ++i) {
+          for (int i = 0; i < envs; ++i) {
             setup.players.push_back(std::make_unique<FakePlayer>(&stage_));
           }
           return setup;
@@ -169,11 +169,11 @@ class ActorClientTest : public testing::Test {
   std::future<ActorEnd> end_;
 };
 
-TEST_F(ActorClientTest, PlaysWhatIsOrderedAndEndsWhenTheRunIsFinished) {
+TEST_F(ActorClientTest, PlaysWhatIsAssignedAndEndsWhenTheRunIsFinished) {
   Start();
   bus_.Push(Describe(3));
   bus_.Push(Snapshot(3, 0));
-  bus_.Push(Order(3, 0, {5, 6}));
+  bus_.Push(Assignment(3, 0, {5, 6}));
   ASSERT_TRUE(WaitForEpisodes(2));
   EXPECT_EQ(Published(), (Texts{"5/0/3", "6/0/3"}));
   RunDescription finished = Describe(3);
@@ -184,7 +184,7 @@ TEST_F(ActorClientTest, PlaysWhatIsOrderedAndEndsWhenTheRunIsFinished) {
 }
 
 TEST_F(ActorClientTest, TellsTheLearnerWhoItIs) {
-  options_.slots = 3;
+  options_.envs = 3;
   options_.host = "here";
   Start();
   bus_.Push(Describe(3));
@@ -193,7 +193,7 @@ TEST_F(ActorClientTest, TellsTheLearnerWhoItIs) {
     const ActorStatus& status = statuses.front();
     EXPECT_EQ(status.actor_id, kActor);
     EXPECT_EQ(status.incarnation, 3);
-    EXPECT_EQ(status.slots, 3);
+    EXPECT_EQ(status.envs, 3);
     EXPECT_EQ(status.host, "here");
     EXPECT_EQ(status.engine, "engine-1");
     EXPECT_EQ(status.canonical_digest, "digest of push");
@@ -208,12 +208,12 @@ TEST_F(ActorClientTest, RepeatsItsStatusWhileNothingHappens) {
   EXPECT_TRUE(bus_.WaitUntil([](const auto&, const auto& s) { return s.size() >= 5; }));
 }
 
-TEST_F(ActorClientTest, HoldsAnOrderUntilItsSnapshotIsThere) {
+TEST_F(ActorClientTest, HoldsAnAssignmentUntilItsSnapshotIsThere) {
   Start();
   bus_.Push(Describe(3));
   bus_.Push(Snapshot(3, 0));
-  bus_.Push(Order(3, 1, {8}));
-  bus_.Push(Order(3, 0, {7}));
+  bus_.Push(Assignment(3, 1, {8}));
+  bus_.Push(Assignment(3, 0, {7}));
   ASSERT_TRUE(WaitForEpisodes(1));
   EXPECT_EQ(Published(), Texts{"7/0/3"});
   bus_.Push(Snapshot(3, 1));
@@ -221,9 +221,9 @@ TEST_F(ActorClientTest, HoldsAnOrderUntilItsSnapshotIsThere) {
   EXPECT_EQ(Published(), (Texts{"7/0/3", "8/1/3"}));
 }
 
-TEST_F(ActorClientTest, TakesSnapshotAndOrderBeforeTheirDescription) {
+TEST_F(ActorClientTest, TakesSnapshotAndAssignmentBeforeTheirDescription) {
   Start();
-  bus_.Push(Order(3, 0, {7}));
+  bus_.Push(Assignment(3, 0, {7}));
   bus_.Push(Snapshot(3, 0));
   bus_.Push(Describe(3));
   ASSERT_TRUE(WaitForEpisodes(1));
@@ -236,38 +236,38 @@ TEST_F(ActorClientTest, NewestIncarnationRulesEvenWhenItsVersionIsOlder) {
   bus_.Push(Snapshot(3, 9));
   bus_.Push(Describe(4, 2));
   bus_.Push(Describe(3));  // an older one that goes on talking
-  bus_.Push(Order(3, 9, {100}));
+  bus_.Push(Assignment(3, 9, {100}));
   bus_.Push(Snapshot(4, 2));
-  bus_.Push(Order(4, 2, {7}));
+  bus_.Push(Assignment(4, 2, {7}));
   ASSERT_TRUE(WaitForEpisodes(1));
   EXPECT_EQ(Published(), Texts{"7/2/4"});
 }
 
 TEST_F(ActorClientTest, NewLearnerCancelsRunningEpisodesAndDropsTheQueue) {
-  options_.slots = 2;
+  options_.envs = 2;
   stage_.hold = true;
   Start();
   bus_.Push(Describe(3));
   bus_.Push(Snapshot(3, 0));
-  bus_.Push(Order(3, 0, {1, 2, 3, 4, 5}));
+  bus_.Push(Assignment(3, 0, {1, 2, 3, 4, 5}));
   while (stage_.playing < 2) std::this_thread::yield();
   bus_.Push(Describe(4));
   ASSERT_TRUE(WaitForStatusOf(4));
   EXPECT_EQ(stage_.cancelled, 2);
   stage_.hold = false;
   bus_.Push(Snapshot(4, 0));
-  bus_.Push(Order(4, 0, {6}));
+  bus_.Push(Assignment(4, 0, {6}));
   ASSERT_TRUE(WaitForEpisodes(1));
   EXPECT_EQ(Published(), Texts{"6/0/4"});
 }
 
-TEST_F(ActorClientTest, SlotsPlayInParallel) {
-  options_.slots = 4;
+TEST_F(ActorClientTest, EnvsPlayInParallel) {
+  options_.envs = 4;
   stage_.meet = 4;  // nobody is done before four play at once
   Start();
   bus_.Push(Describe(3));
   bus_.Push(Snapshot(3, 0));
-  bus_.Push(Order(3, 0, {1, 2, 3, 4}));
+  bus_.Push(Assignment(3, 0, {1, 2, 3, 4}));
   ASSERT_TRUE(WaitForEpisodes(4));
   EXPECT_EQ(stage_.most_at_once, 4);
 }
@@ -322,21 +322,22 @@ class LogCapture {
   std::ostringstream text_;
 };
 
-TEST_F(ActorClientTest, SaysWhatItWaitsForWhenNothingIsOrdered) {
+TEST_F(ActorClientTest, SaysWhatItWaitsForWhenNothingIsAssigned) {
   const LogCapture log;
   options_.status_every = std::chrono::milliseconds(5);
   options_.idle_notice_every = std::chrono::milliseconds(20);
   Start();
   bus_.Push(Describe(1));
   ASSERT_TRUE(bus_.WaitUntil([](const auto&, const auto& sent) { return sent.size() > 20; }));
-  bus_.Push(Order(1, 4, {0, 1}));
+  bus_.Push(Assignment(1, 4, {0, 1}));
   ASSERT_TRUE(bus_.WaitUntil([](const auto&, const auto& sent) { return sent.size() > 40; }));
   bus_.Push(Snapshot(1, 4));
   ASSERT_TRUE(WaitForEpisodes(2));
   client_->Stop();
   EXPECT_EQ(End(), ActorEnd::kStopped);
-  EXPECT_NE(log.text().find("has ordered nothing"), std::string::npos) << log.text();
-  EXPECT_NE(log.text().find("2 ordered episodes wait for their policy snapshot"), std::string::npos)
+  EXPECT_NE(log.text().find("has assigned nothing"), std::string::npos) << log.text();
+  EXPECT_NE(log.text().find("2 assigned episodes wait for their policy snapshot"),
+            std::string::npos)
       << log.text();
 }
 
@@ -362,7 +363,7 @@ TEST_F(ActorClientTest, GoesOnWhenItsLearnerComesBack) {
   bus_.Push(Snapshot(3, 0));
   bus_.Push(LearnerLost{1});
   bus_.Push(Describe(3));
-  bus_.Push(Order(3, 0, {7}));
+  bus_.Push(Assignment(3, 0, {7}));
   ASSERT_TRUE(WaitForEpisodes(1));
 }
 
@@ -402,15 +403,15 @@ TEST_F(ActorClientTest, StrangerOfAnotherProtocolVersionDoesNotEndARun) {
   stranger.protocol_version = kProtocolVersion + 1;
   bus_.Push(stranger);
   bus_.Push(Snapshot(3, 0));
-  bus_.Push(Order(3, 0, {7}));
+  bus_.Push(Assignment(3, 0, {7}));
   EXPECT_TRUE(WaitForEpisodes(1));
 }
 
 TEST_F(ActorClientTest, RefusalByTheLearnerEndsIt) {
   Start();
   bus_.Push(Describe(3));
-  EpisodeOrder refusal = Order(3, 0, {});
-  refusal.kind = EpisodeOrder::Kind::kRefuse;
+  EpisodeAssignment refusal = Assignment(3, 0, {});
+  refusal.kind = EpisodeAssignment::Kind::kRefuse;
   refusal.reason = "another digest";
   bus_.Push(refusal);
   EXPECT_EQ(End(), ActorEnd::kRefused);
@@ -429,22 +430,22 @@ TEST_F(ActorClientTest, WhatMakesNoSenseIsDropped) {
   PolicySnapshot narrow = Snapshot(3, 0);
   narrow.parameters.pop_back();
   bus_.Push(narrow);
-  bus_.Push(Order(3, 0, {6}));
+  bus_.Push(Assignment(3, 0, {6}));
   PolicySnapshot infinite = Snapshot(3, 1);
   infinite.parameters.front() = std::numeric_limits<float>::infinity();
   bus_.Push(infinite);
-  bus_.Push(Order(3, 1, {7}));
+  bus_.Push(Assignment(3, 1, {7}));
   PolicySnapshot wild = Snapshot(3, 2);  // finite, but the std is not
   wild.parameters.back() = 89;
   bus_.Push(wild);
-  bus_.Push(Order(3, 2, {8}));
+  bus_.Push(Assignment(3, 2, {8}));
   PolicySnapshot huge = Snapshot(3, 3);  // finite, but the means are not
   huge.parameters.assign(huge.parameters.size(), 3e38F);
   std::fill(huge.parameters.end() - 40, huge.parameters.end(), 0.0F);
   bus_.Push(huge);
-  bus_.Push(Order(3, 3, {9}));
+  bus_.Push(Assignment(3, 3, {9}));
   bus_.Push(Snapshot(3, 4));
-  bus_.Push(Order(3, 4, {10}));
+  bus_.Push(Assignment(3, 4, {10}));
   ASSERT_TRUE(WaitForEpisodes(1));
   EXPECT_EQ(Published(), Texts{"10/4/3"});
 }
@@ -454,7 +455,7 @@ TEST_F(ActorClientTest, PlayersExceptionEndsIt) {
   Start();
   bus_.Push(Describe(3));
   bus_.Push(Snapshot(3, 0));
-  bus_.Push(Order(3, 0, {7}));
+  bus_.Push(Assignment(3, 0, {7}));
   EXPECT_THROW(End(), std::runtime_error);
   EXPECT_TRUE(bus_.closed());
 }
@@ -471,48 +472,48 @@ TEST_F(ActorClientTest, StopEndsItInTheMiddleOfAnEpisode) {
   Start();
   bus_.Push(Describe(3));
   bus_.Push(Snapshot(3, 0));
-  bus_.Push(Order(3, 0, {7}));
+  bus_.Push(Assignment(3, 0, {7}));
   while (stage_.playing < 1) std::this_thread::yield();
   client_->Stop();
   EXPECT_EQ(End(), ActorEnd::kStopped);
   EXPECT_TRUE(Published().empty());
 }
 
-TEST(OrderBookTest, RefusesMoreThanItHolds) {
-  OrderBook book;
+TEST(AssignmentBookTest, RefusesMoreThanItHolds) {
+  AssignmentBook book;
   book.Obey(1);
-  EpisodeOrder order = Order(1, 0, std::vector<std::uint64_t>(1024));
-  for (std::size_t held = 0; held < OrderBook::kMaxHeldNumbers; held += 1024) {
-    ASSERT_TRUE(book.Add(order));
+  EpisodeAssignment assignment = Assignment(1, 0, std::vector<std::uint64_t>(1024));
+  for (std::size_t held = 0; held < AssignmentBook::kMaxHeldNumbers; held += 1024) {
+    ASSERT_TRUE(book.Add(assignment));
   }
-  EXPECT_FALSE(book.Add(order));
+  EXPECT_FALSE(book.Add(assignment));
   book.Add(Snapshot(1, 0));
-  EXPECT_EQ(book.TakeReady().size(), OrderBook::kMaxHeldNumbers);
+  EXPECT_EQ(book.TakeReady().size(), AssignmentBook::kMaxHeldNumbers);
   EXPECT_EQ(book.held(), 0);
-  EXPECT_TRUE(book.Add(order));
+  EXPECT_TRUE(book.Add(assignment));
 }
 
-TEST(OrderBookTest, ForgetsOrdersOfLearnersThatWereOvertaken) {
-  OrderBook book;
-  ASSERT_TRUE(book.Add(Order(5, 0, {1})));
+TEST(AssignmentBookTest, ForgetsAssignmentsOfLearnersThatWereOvertaken) {
+  AssignmentBook book;
+  ASSERT_TRUE(book.Add(Assignment(5, 0, {1})));
   book.Obey(6);
   EXPECT_EQ(book.held(), 0U) << "one that came before its successor was obeyed";
-  ASSERT_TRUE(book.Add(Order(5, 0, {2, 3})));
+  ASSERT_TRUE(book.Add(Assignment(5, 0, {2, 3})));
   EXPECT_EQ(book.held(), 0U) << "one that came after";
-  ASSERT_TRUE(book.Add(Order(7, 0, {4})));
+  ASSERT_TRUE(book.Add(Assignment(7, 0, {4})));
   EXPECT_EQ(book.held(), 1U) << "its learner may be obeyed next";
   book.Obey(2);
   EXPECT_EQ(book.held(), 1U);
-  ASSERT_TRUE(book.Add(Order(2, 0, {5})));
+  ASSERT_TRUE(book.Add(Assignment(2, 0, {5})));
   book.Obey(3);
-  EXPECT_EQ(book.held(), 1U) << "an order of the learner before";
+  EXPECT_EQ(book.held(), 1U) << "an assignment of the learner before";
 }
 
-TEST(OrderBookTest, ForgetsOrdersWhoseSnapshotWasOvertaken) {
-  OrderBook book;
+TEST(AssignmentBookTest, ForgetsAssignmentsWhoseSnapshotWasOvertaken) {
+  AssignmentBook book;
   book.Obey(1);
-  ASSERT_TRUE(book.Add(Order(1, 3, {30})));
-  ASSERT_TRUE(book.Add(Order(1, 4, {40})));
+  ASSERT_TRUE(book.Add(Assignment(1, 3, {30})));
+  ASSERT_TRUE(book.Add(Assignment(1, 4, {40})));
   book.Add(Snapshot(1, 4));
   EXPECT_EQ(book.TakeReady().size(), 1U);
   EXPECT_EQ(book.held(), 1U) << "with overlap 1, batch 4 is played under version 3";
@@ -520,15 +521,15 @@ TEST(OrderBookTest, ForgetsOrdersWhoseSnapshotWasOvertaken) {
   EXPECT_EQ(book.held(), 1U) << "a snapshot of another learner says nothing";
   book.Add(Snapshot(1, 5));
   EXPECT_EQ(book.held(), 0U);
-  ASSERT_TRUE(book.Add(Order(1, 3, {31})));
+  ASSERT_TRUE(book.Add(Assignment(1, 3, {31})));
   EXPECT_EQ(book.held(), 0U) << "topics are not ordered: the snapshot may come first";
-  ASSERT_TRUE(book.Add(Order(1, 6, {60})));
+  ASSERT_TRUE(book.Add(Assignment(1, 6, {60})));
   EXPECT_EQ(book.held(), 1U);
 }
 
-TEST(OrderBookTest, SnapshotsThatCameBeforeTheirLearnerWasObeyedCountToo) {
-  OrderBook book;
-  ASSERT_TRUE(book.Add(Order(1, 3, {30})));
+TEST(AssignmentBookTest, SnapshotsThatCameBeforeTheirLearnerWasObeyedCountToo) {
+  AssignmentBook book;
+  ASSERT_TRUE(book.Add(Assignment(1, 3, {30})));
   book.Add(Snapshot(1, 5));
   EXPECT_EQ(book.held(), 1U);
   book.Obey(1);

@@ -31,8 +31,9 @@ void ExpectAllTrue(const FakeRun& run, std::size_t numbers = 12) {
 
 std::map<std::uint64_t, std::set<std::uint64_t>> ActorsByNumber(const FakeRun& run) {
   std::map<std::uint64_t, std::set<std::uint64_t>> actors;
-  for (const EpisodeOrder& order : run.bus.orders) {
-    for (const std::uint64_t number : order.numbers) actors[number].insert(order.actor_id);
+  for (const EpisodeAssignment& assignment : run.bus.assignments) {
+    for (const std::uint64_t number : assignment.numbers)
+      actors[number].insert(assignment.actor_id);
   }
   return actors;
 }
@@ -143,7 +144,7 @@ TEST(AuditedRunTest, WhereTwoHostsDifferTheRunWaitsForAThird) {
   EXPECT_EQ(run.actors.at(1).refused, "");
 }
 
-// Two answers to one order, of which the check can tell neither, and no audit was due.
+// Two answers to one assignment, of which the check can tell neither, and no audit was due.
 TEST(AuditedRunTest, WhatComesTwiceAndDiffersIsPlayedAgainByTwoHosts) {
   FakeRun run;
   run.setup.audit = {1e-9, 1};
@@ -251,10 +252,11 @@ std::uint64_t KeyThatChooses(double share, std::uint64_t only, std::uint64_t num
 /// When `refused` is turned away, all that `late` was ever asked for arrives, spoilt: it was under
 /// way.
 void SendLateWhenRefused(FakeRun& run, std::uint64_t refused, std::uint64_t late) {
-  run.bus.on_order = [&run, refused, late, obey = run.bus.on_order](const EpisodeOrder& order) {
-    if (order.kind == EpisodeOrder::Kind::kRefuse && order.actor_id == refused) {
-      const std::vector<EpisodeOrder> sent = run.bus.orders;
-      for (const EpisodeOrder& old : sent) {
+  run.bus.on_assignment = [&run, refused, late,
+                           obey = run.bus.on_assignment](const EpisodeAssignment& assignment) {
+    if (assignment.kind == EpisodeAssignment::Kind::kRefuse && assignment.actor_id == refused) {
+      const std::vector<EpisodeAssignment> sent = run.bus.assignments;
+      for (const EpisodeAssignment& old : sent) {
         if (old.actor_id != late) continue;
         for (const std::uint64_t number : old.numbers) {
           const auto truth = FakeRun::MakeEpisode(number, old.weights_version);
@@ -262,7 +264,7 @@ void SendLateWhenRefused(FakeRun& run, std::uint64_t refused, std::uint64_t late
         }
       }
     }
-    return obey(order);
+    return obey(assignment);
   };
 }
 

@@ -17,9 +17,9 @@
 namespace metronome::dds {
 namespace {
 
+using test::SomeAssignment;
 using test::SomeDescription;
 using test::SomeEpisode;
-using test::SomeOrder;
 using test::SomeSnapshot;
 using test::SomeStatus;
 
@@ -92,11 +92,11 @@ TEST(ConvertTest, SnapshotChecksumIsCrc32OfVersionAndNumbers) {
   EXPECT_EQ(SnapshotChecksum(snapshot), 0x6D953F76u);
 }
 
-TEST(ConvertTest, OrderOfUnknownKindIsRefused) {
-  wire::EpisodeOrder order = ToWire(SomeOrder(1, 2));
-  EXPECT_EQ(Complaint(order), "");
-  order.kind(2);
-  EXPECT_EQ(Complaint(order), "kind 2 of order is unknown");
+TEST(ConvertTest, AssignmentOfUnknownKindIsRefused) {
+  wire::EpisodeAssignment assignment = ToWire(SomeAssignment(1, 2));
+  EXPECT_EQ(Complaint(assignment), "");
+  assignment.kind(2);
+  EXPECT_EQ(Complaint(assignment), "kind 2 of assignment is unknown");
 }
 
 TEST(ConvertTest, LearnerStatusSurvivesTheWire) {
@@ -124,7 +124,7 @@ TEST(ConvertTest, StatusThatNoActorSendsIsRefused) {
   status.steps_per_second(std::numeric_limits<double>::quiet_NaN());
   EXPECT_NE(Complaint(status), "");
   status.steps_per_second(1);
-  status.slots(5000);
+  status.envs(5000);
   EXPECT_NE(Complaint(status), "");
 }
 

@@ -21,7 +21,7 @@ TEST(RandomStreamTest, EveryPartOfTheKeyChangesTheStream) {
   std::set<std::uint64_t> first;
   for (const auto purpose :
        {RandomPurpose::kTrain, RandomPurpose::kEvaluate, RandomPurpose::kInitialise,
-        RandomPurpose::kShuffle, RandomPurpose::kHeadOrder}) {
+        RandomPurpose::kShuffle, RandomPurpose::kHeadPermutation}) {
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
       for (std::uint64_t number = 0; number < 4; ++number) {
         for (const std::uint64_t t : {std::uint64_t{0}, std::uint64_t{1}, kPlacementDraw}) {

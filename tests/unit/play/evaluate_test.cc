@@ -328,7 +328,7 @@ std::vector<std::int32_t> HeadsOf(const RecordingEnvironment& environment) {
   return heads;
 }
 
-TEST(PlayDeterministicTest, HeadsFollowTheScheduleAndTheEvaluationsOwnOrders) {
+TEST(PlayDeterministicTest, HeadsFollowTheScheduleAndTheEvaluationsOwnPermutations) {
   RecordingEnvironment environment;
   for (const Schedule schedule : {SCHEDULE_BLOCKS, SCHEDULE_INTERLEAVED, SCHEDULE_SHUFFLED}) {
     const HeadsAsActions policy(schedule);
@@ -336,15 +336,16 @@ TEST(PlayDeterministicTest, HeadsFollowTheScheduleAndTheEvaluationsOwnOrders) {
     options.seed = 9;
     PlayDeterministic(policy.config, policy.snapshot, EvaluationSchedule(options, policy.config, 2),
                       kStart, environment);
-    const auto order =
-        numbers::Permutation(5, {numbers::RandomPurpose::kHeadOrder, 9, 2, 2 /* kEvaluate */});
+    const auto permutation = numbers::Permutation(
+        5, {numbers::RandomPurpose::kHeadPermutation, 9, 2, 2 /* kEvaluate */});
     const std::vector<std::int32_t> heads = HeadsOf(environment);
     ASSERT_EQ(heads.size(), 40U);
     for (std::int32_t t = 0; t < 40; ++t) {
       const std::int32_t block = t / 8;
-      const std::int32_t want = schedule == SCHEDULE_BLOCKS        ? block
-                                : schedule == SCHEDULE_INTERLEAVED ? t % 5
-                                                                   : std::int32_t(order[block]);
+      const std::int32_t want = schedule == SCHEDULE_BLOCKS ? block
+                                : schedule == SCHEDULE_INTERLEAVED
+                                    ? t % 5
+                                    : std::int32_t(permutation[block]);
       EXPECT_EQ(heads[t], want) << "t=" << t;
     }
   }

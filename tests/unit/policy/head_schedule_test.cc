@@ -44,8 +44,8 @@ Heads OrderOf(const HeadSchedule& schedule) {
   return order;
 }
 
-Heads Order(std::uint64_t seed, std::uint64_t number,
-            numbers::RandomPurpose purpose = numbers::RandomPurpose::kTrain, int heads = 10) {
+Heads Shuffled(std::uint64_t seed, std::uint64_t number,
+               numbers::RandomPurpose purpose = numbers::RandomPurpose::kTrain, int heads = 10) {
   return OrderOf({Config(SCHEDULE_SHUFFLED, heads, 500, seed), {purpose, seed, number}});
 }
 
@@ -149,33 +149,34 @@ TEST(ShuffledTest, KeepsTheBlocksAndPermutesTheirHeads) {
 
 // Computed apart from this code, by a Philox4x64-10 and a Fisher-Yates shuffle written in Python
 // from their papers, which give Random123's known answers.
-TEST(ShuffledTest, TheOrdersAreFrozen) {
-  EXPECT_EQ(Order(1, 0), (Heads{9, 1, 8, 2, 6, 7, 0, 5, 3, 4}));
-  EXPECT_EQ(Order(1, 1), (Heads{5, 4, 3, 0, 6, 2, 1, 8, 9, 7}));
-  EXPECT_EQ(Order(7, 12345678901234), (Heads{2, 7, 1, 0, 9, 6, 4, 3, 5, 8}));
-  EXPECT_EQ(Order(1, 0, numbers::RandomPurpose::kTrain, 5), (Heads{2, 3, 0, 1, 4}));
-  EXPECT_EQ(Order(1, 0, numbers::RandomPurpose::kEvaluate), (Heads{9, 7, 6, 5, 2, 4, 1, 3, 8, 0}));
+TEST(ShuffledTest, ThePermutationsAreFrozen) {
+  EXPECT_EQ(Shuffled(1, 0), (Heads{9, 1, 8, 2, 6, 7, 0, 5, 3, 4}));
+  EXPECT_EQ(Shuffled(1, 1), (Heads{5, 4, 3, 0, 6, 2, 1, 8, 9, 7}));
+  EXPECT_EQ(Shuffled(7, 12345678901234), (Heads{2, 7, 1, 0, 9, 6, 4, 3, 5, 8}));
+  EXPECT_EQ(Shuffled(1, 0, numbers::RandomPurpose::kTrain, 5), (Heads{2, 3, 0, 1, 4}));
+  EXPECT_EQ(Shuffled(1, 0, numbers::RandomPurpose::kEvaluate),
+            (Heads{9, 7, 6, 5, 2, 4, 1, 3, 8, 0}));
 }
 
-TEST(ShuffledTest, NumberSeedAndPurposeOfTheEpisodeChangeTheOrderAndNothingElseDoes) {
-  std::set<Heads> orders;
+TEST(ShuffledTest, NumberSeedAndPurposeOfTheEpisodeChangeThePermutationAndNothingElseDoes) {
+  std::set<Heads> permutations;
   for (const auto purpose : {numbers::RandomPurpose::kTrain, numbers::RandomPurpose::kEvaluate}) {
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
       for (std::uint64_t number = 0; number < 50; ++number) {
-        orders.insert(Order(seed, number, purpose));
+        permutations.insert(Shuffled(seed, number, purpose));
       }
     }
   }
-  EXPECT_EQ(orders.size(), 2U * 5U * 50U);
+  EXPECT_EQ(permutations.size(), 2U * 5U * 50U);
   RunConfig config = Config(SCHEDULE_SHUFFLED, 10, 500);
   test::SetTask(config, "box-close");
   config.mutable_policy()->set_critic_heads(CRITIC_HEADS_SHARED);
   config.mutable_ppo()->set_learning_rate(1);
   config.mutable_runtime()->set_domain(7);
   config.set_total_steps(1);
-  EXPECT_EQ(OrderOf({config, TrainingEpisode(config, 1)}), Order(1, 1));
+  EXPECT_EQ(OrderOf({config, TrainingEpisode(config, 1)}), Shuffled(1, 1));
   // Another horizon: other blocks, the same order.
-  EXPECT_EQ(OrderOf(Of(SCHEDULE_SHUFFLED, 10, 100, 1)), Order(1, 1));
+  EXPECT_EQ(OrderOf(Of(SCHEDULE_SHUFFLED, 10, 100, 1)), Shuffled(1, 1));
 }
 
 TEST(ShuffledTest, EveryHeadIsAsLikelyInEveryBlock) {

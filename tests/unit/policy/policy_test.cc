@@ -53,8 +53,8 @@ int HeadByDefinition(const RunConfig& config, int t) {
   if (config.policy().schedule() == SCHEDULE_INTERLEAVED) return t % heads;
   const int block = t * heads / 40;
   if (config.policy().schedule() == SCHEDULE_BLOCKS) return block;
-  return int(numbers::Permutation(
-      std::uint32_t(heads), {numbers::RandomPurpose::kHeadOrder, 5, 6, 1 /* kTrain */})[block]);
+  return int(numbers::Permutation(std::uint32_t(heads), {numbers::RandomPurpose::kHeadPermutation,
+                                                         5, 6, 1 /* kTrain */})[block]);
 }
 
 HeadSchedule ScheduleOfSix(const RunConfig& config) { return {config, TrainingEpisode(config, 6)}; }

@@ -43,7 +43,7 @@ class TrainingBatchTest : public ::testing::TestWithParam<std::tuple<Schedule, C
     if (std::get<0>(GetParam()) == SCHEDULE_BLOCKS) return block;
     if (std::get<0>(GetParam()) == SCHEDULE_INTERLEAVED) return t % 3;
     return int(numbers::Permutation(
-        3, {numbers::RandomPurpose::kHeadOrder, 5, 10 + episode, 1})[std::size_t(block)]);
+        3, {numbers::RandomPurpose::kHeadPermutation, 5, 10 + episode, 1})[std::size_t(block)]);
   }
 
   /// Input of the networks: version 0 has no statistics, observations are far from the clip.

@@ -89,7 +89,7 @@ TEST_F(ProgressLogTest, HasOneHeaderAndTheColumnsThatOthersReadByName) {
                                              "wall_bytes_sent",
                                              "wall_bytes_received",
                                              "wall_actors",
-                                             "wall_slots",
+                                             "wall_envs",
                                              "wall_orders_repeated"};
   EXPECT_EQ(table[0], expected);
 }
@@ -216,6 +216,20 @@ TEST_F(ProgressLogTest, AFileWithOtherColumnsIsNotGoneOnWith) {
   ProgressLog::RequireHeader(path_, AlgorithmMetrics());
   EXPECT_THROW(ProgressLog::RequireHeader(path_, AlgorithmMetrics(3)), std::invalid_argument)
       << "columns per head";
+}
+
+TEST_F(ProgressLogTest, AFileWithTheColumnNamesOfVersion01IsGoneOnWith) {
+  ProgressLog(path_, AlgorithmMetrics(), 0).Append(MetricsOf(Report(1), {}));
+  std::string content = process::ReadFile(path_);
+  for (const auto& [now, before] : {std::pair<std::string, std::string>{"wall_envs", "wall_slots"},
+                                    {"wall_episodes_reassigned", "wall_orders_repeated"}}) {
+    ASSERT_NE(content.find(now), std::string::npos) << now;
+    content.replace(content.find(now), now.size(), before);
+  }
+  std::ofstream(path_) << content;
+  ProgressLog::RequireHeader(path_, AlgorithmMetrics());
+  ProgressLog(path_, AlgorithmMetrics(), content.size()).Append(MetricsOf(Report(2), {}));
+  EXPECT_TRUE(process::ReadFile(path_).starts_with(content));
 }
 
 }  // namespace

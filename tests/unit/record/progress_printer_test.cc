@@ -36,7 +36,7 @@ WallReport Wall() {
   WallReport wall;
   wall.seconds = 4;
   wall.actors = 3;
-  wall.slots = 6;
+  wall.envs = 6;
   wall.idle_share = 0.25;
   return wall;
 }
@@ -52,7 +52,7 @@ TEST(ProgressPrinterTest, JsonTellsEachUpdateInOneLineWithStableKeys) {
       out.str(),
       "{\"update\":4,\"updates_total\":10,\"steps\":2000,\"total_steps\":8000,\"return\":12.5,"
       "\"success\":0.75,\"success_end\":0.5,\"fps\":500.0,\"seconds\":4.0,"
-      "\"eta_seconds\":12.0,\"actors\":3,\"slots\":6,\"idle_share\":0.25}\n");
+      "\"eta_seconds\":12.0,\"actors\":3,\"envs\":6,\"idle_share\":0.25}\n");
 }
 
 TEST(ProgressPrinterTest, JsonEventsNameTheirKindAndWhatALauncherNeeds) {

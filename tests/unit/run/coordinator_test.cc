@@ -43,7 +43,7 @@ TEST(CoordinatorTest, ARunLearnsFromEachNumberOnceInOrderAndEndsWithItsAccounts)
   EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
   EXPECT_EQ(run.record.updates, (std::vector<std::uint64_t>{1, 2, 3}));
   EXPECT_EQ(run.record.finished,
-            "every episode number entered exactly one update: 12 of 12 (re-ordered 0, duplicates "
+            "every episode number entered exactly one update: 12 of 12 (reassigned 0, duplicates "
             "0, rejected 0)");
   EXPECT_TRUE(run.bus.descriptions.back().finished);
   EXPECT_LT(run.bus.waits, 200) << "it polls";
@@ -76,7 +76,7 @@ TEST(CoordinatorTest, WhoeverWatchesIsToldOnceASecondAndAtTheEnd) {
   EXPECT_EQ(last.checkpoint_version, 3U);
 }
 
-TEST(CoordinatorTest, AStatusShowsEachActorAndTheAgeOfItsOldestOrder) {
+TEST(CoordinatorTest, AStatusShowsEachActorAndTheAgeOfItsOldestAssignment) {
   FakeRun run;
   FakeActor& actor = run.AddActor(1, 2);
   actor.duration = milliseconds(1900);
@@ -86,13 +86,13 @@ TEST(CoordinatorTest, AStatusShowsEachActorAndTheAgeOfItsOldestOrder) {
   const LearnerStatus& second = run.bus.statuses.at(1);
   ASSERT_EQ(second.actors.size(), 1U);
   EXPECT_EQ(second.actors_total, 1U);
-  EXPECT_EQ(second.slots_total, 2U);
+  EXPECT_EQ(second.envs_total, 2U);
   const ActorReport& shown = second.actors.front();
   EXPECT_EQ(shown.name, "host1:5");
-  EXPECT_EQ(shown.slots, 2U);
+  EXPECT_EQ(shown.envs, 2U);
   EXPECT_EQ(shown.steps_per_second, 250);
-  EXPECT_EQ(shown.orders, 2U);
-  EXPECT_NEAR(shown.oldest_order_seconds, 0.999, 1e-9);
+  EXPECT_EQ(shown.assignments, 2U);
+  EXPECT_NEAR(shown.oldest_assignment_seconds, 0.999, 1e-9);
   EXPECT_NEAR(shown.silent_seconds, 0.999, 1e-9);
   EXPECT_FALSE(shown.on_probation);
   EXPECT_FALSE(shown.unanswering);
@@ -155,13 +155,13 @@ TEST(CoordinatorTest, AStoppedRunSaysSoToWhoeverWatches) {
   EXPECT_EQ(run.bus.statuses.back().state, LearnerStatus::State::kStopped);
 }
 
-TEST(CoordinatorTest, VersionZeroIsOnDiskBeforeTheFirstOrderAndEachVersionAfterIt) {
+TEST(CoordinatorTest, VersionZeroIsOnDiskBeforeTheFirstAssignmentAndEachVersionAfterIt) {
   FakeRun run;
   run.AddActor(1);
   EXPECT_EQ(run.Run(), process::kExitFinished);
   ASSERT_EQ(run.record.saved.size(), 4U);
   EXPECT_EQ(run.record.saved[0].version, 0U);
-  EXPECT_EQ(run.record.orders_before_save[0], 0U);
+  EXPECT_EQ(run.record.assignments_before_save[0], 0U);
   EXPECT_EQ(run.record.saved[1].canonical_digest, "digest-1");
   EXPECT_EQ(run.record.saved[3].version, 3U);
 }
@@ -189,17 +189,17 @@ TEST(CoordinatorTest, MilestonesAreWrittenBetweenCheckpoints) {
   EXPECT_EQ(versions, (std::vector<std::uint64_t>{0, 3, 5, 6, 7}));
 }
 
-TEST(CoordinatorTest, WithoutOverlapNothingIsOrderedDuringAnUpdate) {
+TEST(CoordinatorTest, WithoutOverlapNothingIsAssignedDuringAnUpdate) {
   FakeRun run;
   run.AddActor(1, 2);
-  bool ordered_during_update = false;
-  const auto obey = run.bus.on_order;
-  run.bus.on_order = [&](const EpisodeOrder& order) {
-    ordered_during_update |= run.background.running;
-    return obey(order);
+  bool assigned_during_update = false;
+  const auto obey = run.bus.on_assignment;
+  run.bus.on_assignment = [&](const EpisodeAssignment& assignment) {
+    assigned_during_update |= run.background.running;
+    return obey(assignment);
   };
   EXPECT_EQ(run.Run(), process::kExitFinished);
-  EXPECT_FALSE(ordered_during_update);
+  EXPECT_FALSE(assigned_during_update);
   EXPECT_EQ(run.learning.behaviour,
             (std::vector<std::uint64_t>{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2}));
 }
@@ -208,15 +208,15 @@ TEST(CoordinatorTest, WithOverlapTheNextBatchIsPlayedUnderTheOldWeightsDuringThe
   FakeRun run;
   run.setup.rules.overlap = 1;
   run.AddActor(1, 2);
-  bool ordered_during_update = false;
-  const auto obey = run.bus.on_order;
-  run.bus.on_order = [&](const EpisodeOrder& order) {
-    ordered_during_update |= run.background.running;
-    EXPECT_LE(order.weights_version, run.bus.snapshots.back().version);
-    return obey(order);
+  bool assigned_during_update = false;
+  const auto obey = run.bus.on_assignment;
+  run.bus.on_assignment = [&](const EpisodeAssignment& assignment) {
+    assigned_during_update |= run.background.running;
+    EXPECT_LE(assignment.weights_version, run.bus.snapshots.back().version);
+    return obey(assignment);
   };
   EXPECT_EQ(run.Run(), process::kExitFinished);
-  EXPECT_TRUE(ordered_during_update);
+  EXPECT_TRUE(assigned_during_update);
   EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
   EXPECT_EQ(run.learning.behaviour,
             (std::vector<std::uint64_t>{0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1}));
@@ -242,7 +242,7 @@ TEST(CoordinatorTest, AFinishedRunThatIsResumedEndsAtOnce) {
   FakeRun run;
   run.Resume(3);
   EXPECT_EQ(run.Run(), process::kExitFinished);
-  EXPECT_TRUE(run.bus.orders.empty());
+  EXPECT_TRUE(run.bus.assignments.empty());
   EXPECT_TRUE(Contains(run.record.finished, "12 of 12"));
 }
 
@@ -253,23 +253,23 @@ TEST(CoordinatorTest, WallClockFactsAreOfTheBatchsOwnCollection) {
   EXPECT_EQ(run.Run(), process::kExitFinished);
   ASSERT_EQ(run.record.walls.size(), 3U);
   const record::WallReport& wall = run.record.walls[1];
-  EXPECT_NEAR(wall.collect_seconds, 0.4, 1e-9);  // four episodes of 100 ms in one slot
+  EXPECT_NEAR(wall.collect_seconds, 0.4, 1e-9);  // four episodes of 100 ms in one env
   EXPECT_EQ(wall.idle_share, 0) << "the second of the update before is no idleness of collecting";
   EXPECT_NEAR(wall.seconds, 100 + 0.001 + 0.4 + 1 + 0.4 + 1, 1e-9);
-  EXPECT_EQ(wall.slots, 1U);
+  EXPECT_EQ(wall.envs, 1U);
 }
 
-TEST(CoordinatorTest, AKilledActorsEpisodesAreOrderedFromTheOthers) {
+TEST(CoordinatorTest, AKilledActorsEpisodesAreAssignedToTheOthers) {
   FakeRun run;
   run.AddActor(1);
   run.AddActor(2);
   run.bus.CallAfter(milliseconds(350), [&] { run.Kill(1); });
   EXPECT_EQ(run.Run(), process::kExitFinished);
   EXPECT_EQ(run.learning.learnt, FirstNumbers(12));
-  EXPECT_FALSE(Contains(run.record.finished, "re-ordered 0"));
+  EXPECT_FALSE(Contains(run.record.finished, "reassigned 0"));
 }
 
-TEST(CoordinatorTest, BadEpisodesNeverReachTheUpdateAndAreOrderedAgain) {
+TEST(CoordinatorTest, BadEpisodesNeverReachTheUpdateAndAreReassigned) {
   FakeRun run;
   int sent = 0;
   run.AddActor(1).answer = [&](EpisodeMessage message) {
@@ -417,12 +417,12 @@ TEST(CoordinatorTest, AFinalCheckpointThatCannotBeWrittenIsAFailure) {
   EXPECT_TRUE(run.bus.descriptions.back().finished);
 }
 
-TEST(CoordinatorTest, WithoutAVersionZeroCheckpointNothingIsOrdered) {
+TEST(CoordinatorTest, WithoutAVersionZeroCheckpointNothingIsAssigned) {
   FakeRun run;
   run.record.full = [](std::uint64_t) { return true; };
   run.AddActor(1);
   EXPECT_EQ(run.Run(), process::kExitFailure);
-  EXPECT_TRUE(run.bus.orders.empty());
+  EXPECT_TRUE(run.bus.assignments.empty());
   EXPECT_FALSE(run.record.started_at.has_value());
 }
 

@@ -10,7 +10,7 @@ namespace metronome::testing {
 
 /// Outputs of one head of a network in double precision, from its definition: tanh layers, then the
 /// rows of the head.
-/// @param parameters  the network's block, MlpLayout order.
+/// @param parameters  the network's block, MlpLayout assignment.
 /// @param x           the network's input.
 template <typename Number>
 std::vector<double> Forward(const std::vector<Number>& parameters, const policy::MlpLayout& layout,

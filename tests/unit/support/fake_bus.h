@@ -34,9 +34,9 @@ class FakeBus final : public LearnerBus {
   }
   void Publish(const PolicySnapshot& snapshot) override { snapshots.push_back(snapshot); }
   void Publish(const LearnerStatus& status) override { statuses.push_back(status); }
-  bool Send(const EpisodeOrder& order) override {
-    orders.push_back(order);
-    return !on_order || on_order(order);
+  bool Send(const EpisodeAssignment& assignment) override {
+    assignments.push_back(assignment);
+    return !on_assignment || on_assignment(assignment);
   }
   std::optional<LearnerEvent> Wait(TimePoint deadline) override {
     if (++waits > kMaxWaits) throw std::logic_error("the loop spins, or the run never ends");
@@ -55,10 +55,11 @@ class FakeBus final : public LearnerBus {
 
   std::vector<RunDescription> descriptions;
   std::vector<PolicySnapshot> snapshots;
-  std::vector<EpisodeOrder> orders;
+  std::vector<EpisodeAssignment> assignments;
   std::vector<LearnerStatus> statuses;
   std::function<void(const RunDescription&)> on_description;
-  std::function<bool(const EpisodeOrder&)> on_order;  // @return whether the actor is connected
+  std::function<bool(const EpisodeAssignment&)>
+      on_assignment;  // @return whether the actor is connected
   int waits = 0;
 
  private:

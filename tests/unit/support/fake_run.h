@@ -77,7 +77,7 @@ class FakeRecord final : public record::RunRecord {
       throw std::system_error(ENOSPC, std::generic_category(), "checkpoint");
     }
     saved.push_back(state);
-    orders_before_save.push_back(bus_.orders.size());
+    assignments_before_save.push_back(bus_.assignments.size());
     return "checkpoint";
   }
   [[nodiscard]] std::string LatestCheckpoint() const override { return "checkpoint"; }
@@ -105,7 +105,7 @@ class FakeRecord final : public record::RunRecord {
   collect::trust::ExcludedHosts excluded;
   int exclusions_to_fail = 0;
   std::vector<checkpoint::TrainState> saved;
-  std::vector<std::size_t> orders_before_save;
+  std::vector<std::size_t> assignments_before_save;
   std::vector<std::uint64_t> updates;
   std::vector<record::WallReport> walls;
   std::string finished;
@@ -117,7 +117,7 @@ class FakeRecord final : public record::RunRecord {
 struct FakeActor {
   ActorStatus status;
   milliseconds duration{100};
-  /// What it sends for an order; default: the episode, once.
+  /// What it sends for an assignment; default: the episode, once.
   std::function<std::vector<EpisodeMessage>(const EpisodeMessage&)> answer;
   Clock::time_point busy_until;
   std::string refused;  // reason
@@ -139,11 +139,11 @@ class FakeRun {
     setup.rules.episodes_per_update = 4;
     setup.rules.updates_total = 3;
     setup.how_to_join = "metronome-actor run --run test";
-    bus.on_order = [this](const EpisodeOrder& order) { return Obey(order); };
+    bus.on_assignment = [this](const EpisodeAssignment& assignment) { return Obey(assignment); };
     bus.on_description = [this](const RunDescription& description) { Hear(description); };
   }
 
-  FakeActor& AddActor(std::uint64_t id, std::uint32_t slots = 1) {
+  FakeActor& AddActor(std::uint64_t id, std::uint32_t envs = 1) {
     FakeActor& actor = actors[id];
     actor.status.actor_id = id;
     actor.status.incarnation = kIncarnation;
@@ -152,7 +152,7 @@ class FakeRun {
     actor.status.engine = "engine-1";
     actor.status.build = "build-1";
     actor.status.canonical_digest = "digest-1";
-    actor.status.slots = slots;
+    actor.status.envs = envs;
     return actor;
   }
 
@@ -191,18 +191,18 @@ class FakeRun {
   std::unique_ptr<run::Coordinator> coordinator;
 
  private:
-  bool Obey(const EpisodeOrder& order) {
-    const auto found = actors.find(order.actor_id);
+  bool Obey(const EpisodeAssignment& assignment) {
+    const auto found = actors.find(assignment.actor_id);
     if (found == actors.end() || !found->second.alive) return false;
     FakeActor& actor = found->second;
-    if (order.kind == EpisodeOrder::Kind::kRefuse) {
-      actor.refused = order.reason;
+    if (assignment.kind == EpisodeAssignment::Kind::kRefuse) {
+      actor.refused = assignment.reason;
       return true;
     }
-    for (const std::uint64_t number : order.numbers) {
+    for (const std::uint64_t number : assignment.numbers) {
       actor.busy_until = std::max(actor.busy_until, bus.now()) + actor.duration;
-      const EpisodeMessage message{kIncarnation, order.actor_id,
-                                   MakeEpisode(number, order.weights_version)};
+      const EpisodeMessage message{kIncarnation, assignment.actor_id,
+                                   MakeEpisode(number, assignment.weights_version)};
       const auto wait = std::chrono::duration_cast<milliseconds>(actor.busy_until - bus.now());
       bus.CallAfter(wait, [this, &actor, message] {
         if (!actor.alive) return;

@@ -66,6 +66,7 @@ TEST(PrometheusMetricsTest, ARunsMetricsAreLabelledByTheRun) {
                                        {"engine", "mujoco-0.0.0"},
                                        {"host", "here"},
                                        {"pid", "78"},
+                                       {"incarnation", "3"},
                                        {"start", "3"}}),
             1);
 }
@@ -84,8 +85,24 @@ TEST(PrometheusMetricsTest, ActorsAreLabelledByThemselvesAndTheirHost) {
   const Labels labels = {{"run", "a-run"}, {"actor", actor.name}, {"host", "somewhere"}};
   auto read = Read(status);
   EXPECT_EQ(read["metronome_actor_episodes_played_total"].at(labels), double(actor.episodes_done));
-  EXPECT_EQ(read["metronome_actor_oldest_order_age_seconds"].at(labels), 37.5);
+  EXPECT_EQ(read["metronome_actor_oldest_assignment_age_seconds"].at(labels), 37.5);
   EXPECT_EQ(read["metronome_actor_unanswering"].at(labels), 1);
+}
+
+TEST(PrometheusMetricsTest, RenamedNumbersKeepTheirOldNames) {
+  auto read = Read(test::SomeLearnerStatus(3));
+  const std::map<std::string, std::string> old_names = {
+      {"metronome_slots_idle_ratio", "metronome_envs_idle_ratio"},
+      {"metronome_slots", "metronome_envs"},
+      {"metronome_episodes_reordered_total", "metronome_episodes_reassigned_total"},
+      {"metronome_actor_slots", "metronome_actor_envs"},
+      {"metronome_actor_orders", "metronome_actor_assignments"},
+      {"metronome_actor_oldest_order_age_seconds",
+       "metronome_actor_oldest_assignment_age_seconds"}};
+  for (const auto& [old_name, name] : old_names) {
+    EXPECT_FALSE(read[name].empty()) << name;
+    EXPECT_EQ(read[old_name], read[name]) << old_name;
+  }
 }
 
 TEST(PrometheusMetricsTest, WhoHasLeftHasNoSeries) {
@@ -99,7 +116,7 @@ TEST(PrometheusMetricsTest, WhoHasLeftHasNoSeries) {
     }
   }
   status.actors.clear();
-  EXPECT_FALSE(Read(status).contains("metronome_actor_orders"));
+  EXPECT_FALSE(Read(status).contains("metronome_actor_assignments"));
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ bool Contains(const std::string& text, const std::string& part) {
 
 TEST(StatusTextTest, TheTableHasTheRunAndALineForEachActor) {
   const std::string table = StatusTable(test::SomeLearnerStatus(3));
-  EXPECT_TRUE(Contains(table, "run a-run (start 3): updating, task push")) << table;
+  EXPECT_TRUE(Contains(table, "run a-run (incarnation 3): updating, task push")) << table;
   EXPECT_TRUE(Contains(table, "2 actors with ")) << table;
   EXPECT_TRUE(Contains(table, "somewhere:0")) << table;
   EXPECT_TRUE(Contains(table, "on probation")) << table;
@@ -44,7 +44,7 @@ TEST(StatusTextTest, JsonIsOneLineThatHoldsTheNumbers) {
   const auto json = nlohmann::json::parse(text);
   EXPECT_EQ(json["state"], "updating");
   EXPECT_EQ(json["idle_share"], status.idle_share);
-  EXPECT_EQ(json["actors"][1]["oldest_order_seconds"], 37.5);
+  EXPECT_EQ(json["actors"][1]["oldest_assignment_seconds"], 37.5);
   EXPECT_EQ(json["actors"][1]["unanswering"], true);
 }
 
@@ -55,14 +55,22 @@ TEST(StatusTextTest, JsonHasTheseNamesInThisOrder) {
   for (const auto& [name, value] : json.items()) names += name + " ";
   names += "|";
   for (const auto& [name, value] : json["actors"][0].items()) names += " " + name;
-  EXPECT_EQ(names,
-            "run_name incarnation learner_id task engine host pid state age_seconds version "
-            "updates_total steps total_steps mean_return success success_end fps seconds "
-            "eta_seconds collect_seconds update_seconds idle_share batch_episodes "
-            "episodes_per_update accepted reordered duplicates rejected stale bytes_sent "
-            "bytes_received checkpoint_version actors_total slots_total actors | name slots "
-            "episodes_done steps_per_second accepted rejected orders oldest_order_seconds "
-            "silent_seconds on_probation unanswering");
+  EXPECT_EQ(
+      names,
+      "run_name incarnation learner_id task engine host pid state age_seconds version "
+      "updates_total steps total_steps mean_return success success_end fps seconds "
+      "eta_seconds collect_seconds update_seconds idle_share batch_episodes "
+      "episodes_per_update accepted reassigned duplicates rejected stale bytes_sent "
+      "bytes_received checkpoint_version actors_total envs_total actors reordered slots_total | "
+      "name envs "
+      "episodes_done steps_per_second accepted rejected assignments oldest_assignment_seconds "
+      "silent_seconds on_probation unanswering slots orders oldest_order_seconds");
+  EXPECT_EQ(json["reordered"], json["reassigned"]);
+  EXPECT_EQ(json["slots_total"], json["envs_total"]);
+  const auto& actor = json["actors"][1];
+  EXPECT_EQ(actor["slots"], actor["envs"]);
+  EXPECT_EQ(actor["orders"], actor["assignments"]);
+  EXPECT_EQ(actor["oldest_order_seconds"], actor["oldest_assignment_seconds"]);
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ TEST(AuditTest, TwoActorsThatAgreeSettleItWhereverTheyAre) {
   EXPECT_EQ(audit.counts().disputes, 0U);
 }
 
-// In every order of arrival, and by one bit: 0 is not -0.
+// In every assignment of arrival, and by one bit: 0 is not -0.
 TEST(AuditTest, WhereHostsDifferTheOddOneIsGuilty) {
   for (int odd = 0; odd < 3; ++odd) {
     Audit audit({1, 1});

@@ -10,7 +10,7 @@ using std::chrono::seconds;
 
 Trust::TimePoint At(int ms) { return Trust::TimePoint{} + milliseconds(ms); }
 
-TEST(TrustTest, WhoGivesUpOrdersRestsEverLongerUntilItBringsSomething) {
+TEST(TrustTest, WhoGivesUpAssignmentsRestsEverLongerUntilItBringsSomething) {
   Trust trust({}, {});
   trust.Join(1, "a", At(0));
   trust.GaveUp(1, At(0));

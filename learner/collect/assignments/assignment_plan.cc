@@ -1,36 +1,37 @@
-#include "learner/collect/orders/order_plan.h"
+#include "learner/collect/assignments/assignment_plan.h"
 
 #include <algorithm>
 #include <map>
 
-namespace metronome::collect::orders {
+namespace metronome::collect::assignments {
 
-OrderPlan::OrderPlan(const OrderRules& rules, NumberBook* book, collect::trust::Trust* trust)
+AssignmentPlan::AssignmentPlan(const AssignmentRules& rules, NumberBook* book,
+                               collect::trust::Trust* trust)
     : rules_(rules), book_(*book), trust_(*trust), patience_(rules) {}
 
-void OrderPlan::Join(std::uint64_t actor_id, const std::string& host, std::uint32_t slots,
-                     TimePoint now) {
+void AssignmentPlan::Join(std::uint64_t actor_id, const std::string& host, std::uint32_t envs,
+                          TimePoint now) {
   CountIdle(now);
-  roster_.Join(actor_id, host, slots);
+  roster_.Join(actor_id, host, envs);
 }
 
-std::size_t OrderPlan::Lose(std::uint64_t actor_id, TimePoint now) {
+std::size_t AssignmentPlan::Lose(std::uint64_t actor_id, TimePoint now) {
   CountIdle(now);
   const std::vector<std::uint64_t> numbers = roster_.Leave(actor_id);
   for (const std::uint64_t number : numbers) book_.TakeBack(number, actor_id);
   return numbers.size();
 }
 
-void OrderPlan::Free(std::uint64_t number, std::uint64_t actor_id, TimePoint now) {
+void AssignmentPlan::Free(std::uint64_t number, std::uint64_t actor_id, TimePoint now) {
   CountIdle(now);
   trust_.Brought(actor_id);
   if (const auto took = roster_.Release(actor_id, number, now)) patience_.Learn(*took);
   book_.TakeBack(number, actor_id);
 }
 
-std::vector<Assignment> OrderPlan::HandOut(TimePoint now) {
+std::vector<Handout> AssignmentPlan::HandOut(TimePoint now) {
   CountIdle(now);
-  std::vector<Assignment> plan;
+  std::vector<Handout> plan;
   GiveUpLost(now);
   AskOthers(now, plan);
   AskForOpen(now, plan);
@@ -38,14 +39,15 @@ std::vector<Assignment> OrderPlan::HandOut(TimePoint now) {
   return plan;
 }
 
-// An order that nothing came of for very long (a sample dropped on the way, an actor that hangs)
-// does not block its slot for ever. But its actor may merely be slow, so it rests before it is
-// asked again: else a machine that is suddenly slower would be buried under repeated orders.
-void OrderPlan::GiveUpLost(TimePoint now) {
+// An assignment that nothing came of for very long (a sample dropped on the way, an actor that
+// hangs) does not block its env for ever. But its actor may merely be slow, so it rests before it
+// is asked again: else a machine that is suddenly slower would be buried under repeated
+// assignments.
+void AssignmentPlan::GiveUpLost(TimePoint now) {
   const auto first_try = patience_.Lost(1);
-  const auto is_lost = [&](const Roster::Order& order) {
-    const auto age = now - order.since;
-    return age >= first_try && age >= LostAfter(order);
+  const auto is_lost = [&](const Roster::Assignment& assignment) {
+    const auto age = now - assignment.since;
+    return age >= first_try && age >= LostAfter(assignment);
   };
   for (const auto& [actor_id, numbers] : roster_.GiveUp(is_lost)) {
     for (const std::uint64_t number : numbers) book_.TakeBack(number, actor_id);
@@ -53,19 +55,19 @@ void OrderPlan::GiveUpLost(TimePoint now) {
   }
 }
 
-std::chrono::nanoseconds OrderPlan::LostAfter(const Roster::Order& order) const {
-  const Number* number = book_.Find(order.number);
+std::chrono::nanoseconds AssignmentPlan::LostAfter(const Roster::Assignment& assignment) const {
+  const Number* number = book_.Find(assignment.number);
   return patience_.Lost(number == nullptr ? 1 : number->tries);
 }
 
-// Near the end no order waits in one actor's queue while another's slot may fall idle.
-std::uint32_t OrderPlan::OrdersPerSlot() const {
-  return book_.open().size() <= roster_.slots() ? 1 : rules_.orders_per_slot;
+// Near the end no assignment waits in one actor's queue while another's env may fall idle.
+std::uint32_t AssignmentPlan::AssignmentsPerEnv() const {
+  return book_.open().size() <= roster_.envs() ? 1 : rules_.assignments_per_env;
 }
 
 // Whoever is on another host, were it busy or flapping: two processes of one machine may well make
 // the same mistake.
-void OrderPlan::AskOthers(TimePoint now, std::vector<Assignment>& plan) {
+void AssignmentPlan::AskOthers(TimePoint now, std::vector<Handout>& plan) {
   const std::set<std::uint64_t> again = book_.open_again();
   for (const std::uint64_t number : again) {
     const Number& entry = *book_.Find(number);
@@ -77,7 +79,7 @@ void OrderPlan::AskOthers(TimePoint now, std::vector<Assignment>& plan) {
           return !trust_.StateOf(actor.first, now).silent && is_elsewhere(actor);
         });
     const auto actor_id = LeastLoaded(
-        entry, OrdersPerSlot(),
+        entry, AssignmentsPerEnv(),
         [&](const Candidate& actor, const collect::trust::Trust::State&) {
           return !elsewhere || is_elsewhere(actor);
         },
@@ -86,8 +88,8 @@ void OrderPlan::AskOthers(TimePoint now, std::vector<Assignment>& plan) {
   }
 }
 
-// Who gave up an order, or comes and goes, is asked only when nobody else is there.
-void OrderPlan::AskForOpen(TimePoint now, std::vector<Assignment>& plan) {
+// Who gave up an assignment, or comes and goes, is asked only when nobody else is there.
+void AssignmentPlan::AskForOpen(TimePoint now, std::vector<Handout>& plan) {
   const auto& actors = roster_.actors();
   const bool any_reliable = std::any_of(actors.begin(), actors.end(), [&](const Candidate& actor) {
     return trust_.StateOf(actor.first, now).reliable();
@@ -97,17 +99,17 @@ void OrderPlan::AskForOpen(TimePoint now, std::vector<Assignment>& plan) {
   };
   while (!book_.open().empty()) {
     const std::uint64_t number = *book_.open().begin();
-    const auto actor_id = LeastLoaded(*book_.Find(number), OrdersPerSlot(), may_be_asked, now);
+    const auto actor_id = LeastLoaded(*book_.Find(number), AssignmentsPerEnv(), may_be_asked, now);
     if (!actor_id) return;
     Ask(*actor_id, number, now, plan);
   }
 }
 
-// What is late at everyone who plays it goes to one more idle slot: the first result wins. Numbers
+// What is late at everyone who plays it goes to one more idle env: the first result wins. Numbers
 // that wait for another host to play them again may wait for ever: they hold nothing up here.
-void OrderPlan::AskForLate(TimePoint now, std::vector<Assignment>& plan) {
+void AssignmentPlan::AskForLate(TimePoint now, std::vector<Handout>& plan) {
   if (!book_.open().empty()) return;
-  // Anybody's: the slot is idle, and a result that comes twice does no harm.
+  // Anybody's: the env is idle, and a result that comes twice does no harm.
   const auto anybody = [](const Candidate&, const collect::trust::Trust::State&) { return true; };
   for (const std::uint64_t number : LateEverywhere(now)) {
     const auto actor_id = LeastLoaded(*book_.Find(number), 1, anybody, now);
@@ -115,15 +117,15 @@ void OrderPlan::AskForLate(TimePoint now, std::vector<Assignment>& plan) {
   }
 }
 
-std::vector<std::uint64_t> OrderPlan::LateEverywhere(TimePoint now) const {
+std::vector<std::uint64_t> AssignmentPlan::LateEverywhere(TimePoint now) const {
   const auto patience = patience_.Late();
   std::map<std::uint64_t, bool> late;
   for (const auto& actor : roster_.actors()) {
-    for (const Roster::Order& order : actor.second.orders) {
-      const Number* number = book_.Find(order.number);
+    for (const Roster::Assignment& assignment : actor.second.assignments) {
+      const Number* number = book_.Find(assignment.number);
       if (number == nullptr || number->state != Number::State::kOut) continue;
-      bool& everywhere = late.emplace(order.number, true).first->second;
-      everywhere = everywhere && now - order.since >= patience;
+      bool& everywhere = late.emplace(assignment.number, true).first->second;
+      everywhere = everywhere && now - assignment.since >= patience;
     }
   }
   std::vector<std::uint64_t> numbers;
@@ -134,28 +136,28 @@ std::vector<std::uint64_t> OrderPlan::LateEverywhere(TimePoint now) const {
 }
 
 // Of those who do not play it yet and may.
-std::optional<std::uint64_t> OrderPlan::LeastLoaded(const Number& number,
-                                                    std::uint32_t orders_per_slot,
-                                                    const MayBeAsked& may_be_asked,
-                                                    TimePoint now) const {
-  return roster_.LeastLoaded(orders_per_slot, [&](const Candidate& actor) -> std::size_t {
+std::optional<std::uint64_t> AssignmentPlan::LeastLoaded(const Number& number,
+                                                         std::uint32_t assignments_per_env,
+                                                         const MayBeAsked& may_be_asked,
+                                                         TimePoint now) const {
+  return roster_.LeastLoaded(assignments_per_env, [&](const Candidate& actor) -> std::size_t {
     const auto& holders = number.holders;
     const bool plays_it = std::find(holders.begin(), holders.end(), actor.first) != holders.end();
     if (plays_it || !number.MayBePlayedBy(actor.first, actor.second.host)) return 0;
     const collect::trust::Trust::State trust = trust_.StateOf(actor.first, now);
     if (!may_be_asked(actor, trust)) return 0;
-    return trust.silent ? 1 : std::size_t{actor.second.slots} * orders_per_slot;
+    return trust.silent ? 1 : std::size_t{actor.second.envs} * assignments_per_env;
   });
 }
 
-void OrderPlan::Ask(std::uint64_t actor_id, std::uint64_t number, TimePoint now,
-                    std::vector<Assignment>& plan) {
+void AssignmentPlan::Ask(std::uint64_t actor_id, std::uint64_t number, TimePoint now,
+                         std::vector<Handout>& plan) {
   const bool first = book_.HandOut(number, {actor_id, roster_.actors().at(actor_id).host});
-  if (!first) ++reordered_;
+  if (!first) ++reassigned_;
   roster_.Give(actor_id, number, now);
   const std::uint64_t version = BehaviourVersion(rules_, number);
-  const auto same = std::find_if(plan.begin(), plan.end(), [&](const Assignment& assignment) {
-    return assignment.actor_id == actor_id && assignment.weights_version == version;
+  const auto same = std::find_if(plan.begin(), plan.end(), [&](const Handout& handout) {
+    return handout.actor_id == actor_id && handout.weights_version == version;
   });
   if (same != plan.end()) {
     same->numbers.push_back(number);
@@ -164,20 +166,21 @@ void OrderPlan::Ask(std::uint64_t actor_id, std::uint64_t number, TimePoint now,
   }
 }
 
-std::optional<OrderPlan::TimePoint> OrderPlan::NextDeadline(TimePoint now) const {
+std::optional<AssignmentPlan::TimePoint> AssignmentPlan::NextDeadline(TimePoint now) const {
   std::optional<TimePoint> next = trust_.NextDeadline(now);
   for (const auto& actor : roster_.actors()) {
-    for (const Roster::Order& order : actor.second.orders) {
-      // A late order without an idle slot waits for an event, not for time: then the loss is next.
-      TimePoint due = order.since + patience_.Late();
-      if (due <= now) due = order.since + LostAfter(order);
+    for (const Roster::Assignment& assignment : actor.second.assignments) {
+      // A late assignment without an idle env waits for an event, not for time: then the loss is
+      // next.
+      TimePoint due = assignment.since + patience_.Late();
+      if (due <= now) due = assignment.since + LostAfter(assignment);
       if (!next || due < *next) next = due;
     }
   }
   return next;
 }
 
-bool OrderPlan::HasOther(std::uint64_t number, TimePoint now) const {
+bool AssignmentPlan::HasOther(std::uint64_t number, TimePoint now) const {
   const Number* entry = book_.Find(number);
   const auto& actors = roster_.actors();
   return std::any_of(actors.begin(), actors.end(), [&](const Candidate& actor) {
@@ -186,11 +189,11 @@ bool OrderPlan::HasOther(std::uint64_t number, TimePoint now) const {
   });
 }
 
-void OrderPlan::CountIdle(TimePoint now) { idle_.Count(roster_.slots(), roster_.idle(), now); }
+void AssignmentPlan::CountIdle(TimePoint now) { idle_.Count(roster_.envs(), roster_.idle(), now); }
 
-double OrderPlan::TakeIdleShare(TimePoint now) {
+double AssignmentPlan::TakeIdleShare(TimePoint now) {
   CountIdle(now);
   return idle_.TakeShare();
 }
 
-}  // namespace metronome::collect::orders
+}  // namespace metronome::collect::assignments

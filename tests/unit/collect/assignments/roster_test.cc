@@ -1,15 +1,15 @@
-#include "learner/collect/orders/roster.h"
+#include "learner/collect/assignments/roster.h"
 
 #include <gtest/gtest.h>
 
-namespace metronome::collect::orders {
+namespace metronome::collect::assignments {
 namespace {
 
 using std::chrono::milliseconds;
 
 Roster::TimePoint At(int ms) { return Roster::TimePoint{} + milliseconds(ms); }
 
-TEST(RosterTest, TheOrderThatWaitedLongestBeginsWhenASlotIsFree) {
+TEST(RosterTest, TheAssignmentThatWaitedLongestBeginsWhenAEnvIsFree) {
   Roster roster;
   roster.Join(1, "a", 1);
   roster.Give(1, 10, At(0));
@@ -24,14 +24,16 @@ TEST(RosterTest, WhatWasGivenUpStillTellsHowLongItTook) {
   roster.Join(1, "a", 2);
   roster.Give(1, 10, At(0));
   roster.Give(1, 11, At(50));
-  const auto is_old = [](const Roster::Order& order) { return order.since < At(10); };
+  const auto is_old = [](const Roster::Assignment& assignment) {
+    return assignment.since < At(10);
+  };
   const std::map<std::uint64_t, std::vector<std::uint64_t>> lost{{1, {10}}};
   EXPECT_EQ(roster.GiveUp(is_old), lost);
   EXPECT_EQ(roster.idle(), 1U);
   EXPECT_EQ(roster.Release(1, 10, At(5000)), milliseconds(5000));
 }
 
-TEST(RosterTest, TheLeastLoadedIsByOrdersASlot) {
+TEST(RosterTest, TheLeastLoadedIsByAssignmentsAEnv) {
   Roster roster;
   roster.Join(1, "a", 1);
   roster.Join(2, "b", 4);
@@ -42,9 +44,9 @@ TEST(RosterTest, TheLeastLoadedIsByOrdersASlot) {
   EXPECT_EQ(roster.LeastLoaded(2, [](const auto&) { return std::size_t{2}; }), 1U);
   EXPECT_EQ(roster.LeastLoaded(2, [](const auto&) { return std::size_t{0}; }), std::nullopt);
   EXPECT_EQ(roster.LeastLoaded(1, [](const auto&) { return std::size_t{2}; }), std::nullopt);
-  EXPECT_EQ(roster.slots(), 5U);
+  EXPECT_EQ(roster.envs(), 5U);
   EXPECT_EQ(roster.Leave(2).size(), 3U);
 }
 
 }  // namespace
-}  // namespace metronome::collect::orders
+}  // namespace metronome::collect::assignments

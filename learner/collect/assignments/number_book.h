@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "learner/collect/orders/order_rules.h"
+#include "learner/collect/assignments/assignment_rules.h"
 
-namespace metronome::collect::orders {
+namespace metronome::collect::assignments {
 
 /// Where each number of the run is: open (to be handed out), out (with one actor or, when late,
 /// several), arrived (being judged) or accepted, once. It leaves the book when its batch is learnt
@@ -38,11 +38,11 @@ class NumberBook {
   /// What an actor that brings a number has to do with it.
   struct Claim {
     enum class Standing {
-      kWanted,      // it was ordered from this actor and is missing
-      kDuplicate,   // it has been brought before: by others and accepted (or learnt from), or by it
-      kNotOrdered,  // not ordered from this actor, or not orderable yet
+      kWanted,     // it was assigned to this actor and is missing
+      kDuplicate,  // it has been brought before: by others and accepted (or learnt from), or by it
+      kNotAssigned,  // not assigned to this actor, or not assignable yet
     };
-    Standing standing = Standing::kNotOrdered;
+    Standing standing = Standing::kNotAssigned;
     std::string host;  // of the actor when it was asked; empty if it was not, or that is long past
     std::uint64_t weights_version = 0;  // that the episode is played under
   };
@@ -51,7 +51,7 @@ class NumberBook {
   static constexpr std::size_t kAskedKept = 64;
 
   /// @throws std::invalid_argument if a count is 0 or first_version exceeds updates_total.
-  explicit NumberBook(const OrderRules& rules);
+  explicit NumberBook(const AssignmentRules& rules);
 
   [[nodiscard]] Claim ClaimOf(std::uint64_t number, std::uint64_t actor_id) const;
 
@@ -85,7 +85,7 @@ class NumberBook {
   [[nodiscard]] std::uint64_t AcceptedOf(std::uint64_t batch) const;
 
   /// Batch version - 1 has been learnt from: its numbers leave the book, batch version + overlap
-  /// may be ordered. @throws std::logic_error unless that batch was complete and version is next.
+  /// may be assigned. @throws std::logic_error unless that batch was complete and version is next.
   void Publish(std::uint64_t version);
 
  private:
@@ -93,7 +93,7 @@ class NumberBook {
   void Open(std::uint64_t number);
   void Close(std::uint64_t number);
 
-  OrderRules rules_;
+  AssignmentRules rules_;
   std::uint64_t version_;     // latest weights
   std::uint64_t next_batch_;  // first batch that is not in numbers_ yet
   std::map<std::uint64_t, Number> numbers_;
@@ -102,4 +102,4 @@ class NumberBook {
   std::map<std::uint64_t, std::uint64_t> accepted_of_batch_;
 };
 
-}  // namespace metronome::collect::orders
+}  // namespace metronome::collect::assignments

@@ -1,16 +1,16 @@
-#include "learner/collect/orders/number_book.h"
+#include "learner/collect/assignments/number_book.h"
 
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 
-namespace metronome::collect::orders {
+namespace metronome::collect::assignments {
 namespace {
 
 using Standing = NumberBook::Claim::Standing;
 
-OrderRules Rules(std::uint64_t episodes, std::uint64_t updates, std::uint64_t overlap = 0) {
-  OrderRules rules;
+AssignmentRules Rules(std::uint64_t episodes, std::uint64_t updates, std::uint64_t overlap = 0) {
+  AssignmentRules rules;
   rules.episodes_per_update = episodes;
   rules.updates_total = updates;
   rules.overlap = overlap;
@@ -24,18 +24,18 @@ Standing StandingOf(const NumberBook& book, std::uint64_t number, std::uint64_t 
 TEST(NumberBookTest, StrangersCannotBringNumbers) {
   NumberBook book(Rules(4, 2));
   book.HandOut(0, {1, "a"});
-  EXPECT_EQ(StandingOf(book, 0, 7), Standing::kNotOrdered);
+  EXPECT_EQ(StandingOf(book, 0, 7), Standing::kNotAssigned);
   EXPECT_EQ(StandingOf(book, 0, 1), Standing::kWanted);
-  EXPECT_EQ(StandingOf(book, 3, 1), Standing::kNotOrdered);
-  EXPECT_EQ(StandingOf(book, 7, 1), Standing::kNotOrdered);
-  EXPECT_EQ(StandingOf(book, ~std::uint64_t{0}, 1), Standing::kNotOrdered);
+  EXPECT_EQ(StandingOf(book, 3, 1), Standing::kNotAssigned);
+  EXPECT_EQ(StandingOf(book, 7, 1), Standing::kNotAssigned);
+  EXPECT_EQ(StandingOf(book, ~std::uint64_t{0}, 1), Standing::kNotAssigned);
 }
 
 TEST(NumberBookTest, WhileANumberIsJudgedNobodyBringsItAndNobodyIsAsked) {
   NumberBook book(Rules(1, 1));
   book.HandOut(0, {1, "a"});
   book.Arrive(0);
-  EXPECT_EQ(StandingOf(book, 0, 1), Standing::kNotOrdered);
+  EXPECT_EQ(StandingOf(book, 0, 1), Standing::kNotAssigned);
   EXPECT_TRUE(book.open().empty());
   EXPECT_THROW(book.Arrive(0), std::logic_error);
   book.Accept(0, {"a"});
@@ -97,12 +97,12 @@ TEST(NumberBookTest, OfThoseWhoWereAskedAndWentOnlySomeAreRemembered) {
   }
   EXPECT_EQ(book.Find(0)->asked.size(), NumberBook::kAskedKept);
   EXPECT_EQ(StandingOf(book, 0, 1), Standing::kWanted);
-  EXPECT_EQ(StandingOf(book, 0, 2), Standing::kNotOrdered);
+  EXPECT_EQ(StandingOf(book, 0, 2), Standing::kNotAssigned);
   EXPECT_EQ(StandingOf(book, 0, 999), Standing::kWanted);
 }
 
 TEST(NumberBookTest, BadRulesAreRefused) {
-  OrderRules rules = Rules(0, 1);
+  AssignmentRules rules = Rules(0, 1);
   EXPECT_THROW(NumberBook{rules}, std::invalid_argument);
   rules = Rules(1, 1);
   rules.first_version = 2;
@@ -110,4 +110,4 @@ TEST(NumberBookTest, BadRulesAreRefused) {
 }
 
 }  // namespace
-}  // namespace metronome::collect::orders
+}  // namespace metronome::collect::assignments

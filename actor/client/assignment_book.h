@@ -17,24 +17,24 @@ struct EpisodeTask {
   std::uint64_t number = 0;
 };
 
-/// Brings orders and snapshots together, whatever order they and their learner's description come
-/// in: topics are not ordered among each other. Orders that can never be played are forgotten:
-/// those of a learner older than the obeyed one, and those whose snapshot was overtaken. Bounded.
-/// Not thread-safe.
-class OrderBook {
+/// Brings assignments and snapshots together, whatever order they and their learner's description
+/// come in: topics are not ordered among each other. Assignments that can never be played are
+/// forgotten: those of a learner older than the obeyed one, and those whose snapshot was overtaken.
+/// Bounded. Not thread-safe.
+class AssignmentBook {
  public:
   static constexpr std::size_t kMaxSnapshots = 8;        // the newest arrivals
   static constexpr std::size_t kMaxHeldNumbers = 16384;  // waiting for a snapshot, in all
 
-  /// Orders of this learner start are given out from now on; those of the one before, and of older
-  /// ones, are dropped.
+  /// Assignments of this incarnation are given out from now on; those of the one before, and of
+  /// older ones, are dropped.
   void Obey(std::uint64_t incarnation);
-  /// Nobody is obeyed: all orders are dropped.
+  /// Nobody is obeyed: all assignments are dropped.
   void ObeyNobody();
 
   void Add(PolicySnapshot snapshot);
-  /// @return false if the book is full; the order is dropped and will be given again.
-  bool Add(const EpisodeOrder& order);
+  /// @return false if the book is full; the assignment is dropped and will be given again.
+  bool Add(const EpisodeAssignment& assignment);
 
   /// What can be played, in the order it came in; each once.
   std::vector<EpisodeTask> TakeReady();
@@ -43,15 +43,15 @@ class OrderBook {
 
  private:
   using SnapshotPointer = std::shared_ptr<const PolicySnapshot>;
-  [[nodiscard]] SnapshotPointer Find(const EpisodeOrder& order) const;
-  [[nodiscard]] bool IsPast(const EpisodeOrder& order) const;
-  /// Drops the orders for which `is_dropped(order)` holds.
+  [[nodiscard]] SnapshotPointer Find(const EpisodeAssignment& assignment) const;
+  [[nodiscard]] bool IsPast(const EpisodeAssignment& assignment) const;
+  /// Drops the assignments for which `is_dropped(assignment)` holds.
   template <class Predicate>
   void Drop(Predicate is_dropped);
 
   std::optional<std::uint64_t> incarnation_;
   std::deque<SnapshotPointer> snapshots_;
-  std::deque<EpisodeOrder> orders_;
+  std::deque<EpisodeAssignment> assignments_;
   std::size_t held_numbers_ = 0;
 };
 

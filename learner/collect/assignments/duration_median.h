@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace metronome::collect::orders {
+namespace metronome::collect::assignments {
 
 /// Median of the last kWindow durations. Not thread-safe.
 class DurationMedian {
@@ -35,4 +35,4 @@ class DurationMedian {
   std::optional<std::chrono::nanoseconds> median_;
 };
 
-}  // namespace metronome::collect::orders
+}  // namespace metronome::collect::assignments

@@ -1,8 +1,8 @@
-#include "learner/collect/orders/patience.h"
+#include "learner/collect/assignments/patience.h"
 
 #include <algorithm>
 
-namespace metronome::collect::orders {
+namespace metronome::collect::assignments {
 namespace {
 
 constexpr std::uint32_t kMostDoublings = 6;
@@ -25,4 +25,4 @@ std::chrono::nanoseconds Patience::Scaled(double factor) const {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::max(wanted, least));
 }
 
-}  // namespace metronome::collect::orders
+}  // namespace metronome::collect::assignments

@@ -1,16 +1,16 @@
-#include "learner/collect/orders/patience.h"
+#include "learner/collect/assignments/patience.h"
 
 #include <gtest/gtest.h>
 
-#include "learner/collect/orders/idle_time.h"
+#include "learner/collect/assignments/idle_time.h"
 
-namespace metronome::collect::orders {
+namespace metronome::collect::assignments {
 namespace {
 
 using std::chrono::milliseconds;
 
 TEST(PatienceTest, LateIsThreeMediansAndLostNineDoubledWithEachFurtherTry) {
-  Patience patience{OrderRules()};
+  Patience patience{AssignmentRules()};
   EXPECT_EQ(patience.Late(), milliseconds(6000)) << "before anything was measured";
   for (const int ms : {300, 400, 5000}) patience.Learn(milliseconds(ms));
   EXPECT_EQ(patience.Late(), milliseconds(1200));
@@ -20,7 +20,7 @@ TEST(PatienceTest, LateIsThreeMediansAndLostNineDoubledWithEachFurtherTry) {
 }
 
 TEST(PatienceTest, ShortLatenessIsNoise) {
-  Patience patience{OrderRules()};
+  Patience patience{AssignmentRules()};
   patience.Learn(milliseconds(1));
   EXPECT_EQ(patience.Late(), milliseconds(250));
   EXPECT_EQ(patience.Lost(1), milliseconds(750));
@@ -37,4 +37,4 @@ TEST(IdleTimeTest, TheShareIsOfTheTimeBetweenCalls) {
 }
 
 }  // namespace
-}  // namespace metronome::collect::orders
+}  // namespace metronome::collect::assignments

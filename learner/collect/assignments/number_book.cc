@@ -1,10 +1,10 @@
-#include "learner/collect/orders/number_book.h"
+#include "learner/collect/assignments/number_book.h"
 
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
 
-namespace metronome::collect::orders {
+namespace metronome::collect::assignments {
 namespace {
 
 using Player = NumberBook::Player;
@@ -41,13 +41,14 @@ bool NumberBook::Number::MayBePlayedBy(std::uint64_t actor_id, const std::string
   return FindPlayer(heard, actor_id) == nullptr && !(disputed && WasHeardOn(host));
 }
 
-NumberBook::NumberBook(const OrderRules& rules)
+NumberBook::NumberBook(const AssignmentRules& rules)
     : rules_(rules), version_(rules.first_version), next_batch_(rules.first_version) {
-  if (rules.episodes_per_update == 0 || rules.orders_per_slot == 0 || rules.updates_total == 0) {
-    throw std::invalid_argument("order rules: a count is 0");
+  if (rules.episodes_per_update == 0 || rules.assignments_per_env == 0 ||
+      rules.updates_total == 0) {
+    throw std::invalid_argument("assignment rules: a count is 0");
   }
   if (rules.first_version > rules.updates_total) {
-    throw std::invalid_argument("order rules: the first version lies behind the last update");
+    throw std::invalid_argument("assignment rules: the first version lies behind the last update");
   }
   OpenBatches();
 }
@@ -184,4 +185,4 @@ void NumberBook::Publish(std::uint64_t version) {
   OpenBatches();
 }
 
-}  // namespace metronome::collect::orders
+}  // namespace metronome::collect::assignments
