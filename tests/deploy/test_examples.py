@@ -30,6 +30,7 @@ SUBCOMMANDS = ("run", "inspect", "config", "status", "evaluate", "render", "trac
 # Options of learners that `metronome-learner config` does not have, and the launcher's own; those without a value.
 NOT_OF_CONFIG = {"--run", "--runs", "--runs-dir", "--progress", "--log-level", "--log-format", "--actors", "--envs", "--mujoco", "--build"}
 FLAGS = {"--resume", "--new-total"}
+PLACEHOLDERS = {"TASK", "OPTION...", "...", "K", "X", "F", "--resume"}
 PAGES = [name for name in subprocess.run(["git", "ls-files", "*.md"], cwd=ROOT, capture_output=True, text=True).stdout.split()]
 HELPS = [("deploy/train",), ("deploy/setup",), ("deploy/learner",), ("deploy/security",), ("deploy/experiment",), ("deploy/exchange",),
          ("tests/run",), ("tests/chaos/run",), ("tests/fuzz/run",), ("tests/threads/run",), ("tests/bench/run",), ("tests/fresh/run",),
@@ -120,23 +121,16 @@ def judge(words):
 
 
 def judge_configuration(words):
-    """Lets the learner judge the values of a run's options."""
-    task = {"deploy/train": 1, "deploy/learner": 0}.get(words[0], 0)
-    rest = words[{"deploy/train": 1, "deploy/learner": 3}.get(words[0], 2):]
-    command, skip = [LEARNER, "config"], False
-    for word in rest:
-        if skip:
-            skip = False
-        elif task and not word.startswith("-") and len(command) == 2:
-            command += ["--task", word.replace("TASK", "push")]
-        elif word in NOT_OF_CONFIG:
-            skip = True
-        elif word not in FLAGS:
-            command.append(word)
-    if "OPTION..." in words or any(word in ("--resume", "K", "X", "F") for word in words):
+    """Lets the learner judge the values of a run's options, where they are values."""
+    if any(word in PLACEHOLDERS for word in words):
         return
-    if not any(word.partition("=")[0] in ("--task", "--config") for word in command):
-        command += ["--task", "push"]
+    rest = words[{"deploy/train": 1, "deploy/learner": 3}.get(words[0], 2):]
+    if words[0] == "deploy/train" and not rest[0].startswith("-"):
+        rest.insert(0, "--task")
+    command = [LEARNER, "config"]
+    for before, word in itertools.pairwise(["", *rest]):
+        if word not in (*NOT_OF_CONFIG, *FLAGS) and before not in NOT_OF_CONFIG:
+            command.append(word)
     said = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert said.returncode == 0, f"{shlex.join(words)}: {said.stderr}"
 
