@@ -38,7 +38,7 @@ def command(document, replaced):
     (container,) = pod(document)["spec"]["containers"]
     words = container["command"] + replaced
     return [
-        word.replace("/opt/metronome/build", str(BUILD)).replace("/opt/metronome", str(ROOT))
+        word.replace("/usr/share/metronome", str(ROOT / "deploy")).replace("/usr/bin", str(BUILD / "bin"))
         for word in words
     ]
 

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# A new minimal Debian 12 in a folder, and commands in it. Sourced by `run` and `presets`, which define fail MESSAGE.
+# A new minimal Debian 12 in a folder, and commands in it. Sourced by `run`, `presets` and `package`, which define fail MESSAGE.
 # Of this machine it gets what packages come by: their sources, certificates, and pip's settings. No other variable of
 # the environment, file or program reaches it.
 
@@ -35,6 +35,16 @@ make_root() {
     grep -o '"/[^"]*"' "$root/etc/apt/apt.conf.d/90sources" | tr -d '"')
   carry /usr/local/share/ca-certificates "$root"
   in_root "$root" sh -c 'update-ca-certificates && apt-get clean'
+}
+
+# keep_minimal DIR: makes DIR/minimal unless it is there, by way of DIR/unfinished, which is not.
+keep_minimal() {
+  [[ ! -d $1/minimal ]] || return 0
+  make_root "$1/unfinished" >"$1/make.log" 2>&1 || {
+    tail -n 20 "$1/make.log" >&2
+    fail "no Debian could be made (see above)"
+  }
+  mv -T -- "$1/unfinished" "$1/minimal"
 }
 
 # in_root DIR COMMAND...: runs it as the new machine's root. Network and its ports are this machine's. When it ends,
