@@ -211,8 +211,8 @@ class Checkout:
         assert process.wait() == 0, process
         return process
 
-    def learner(self, run, identity=None, steps=TINY):
-        return self.stage.learner(run, *self.security(identity, "learner"), small=steps)
+    def learner(self, run, identity=None):
+        return self.stage.learner(run, *self.security(identity, "learner"), small=TINY)
 
     def actor(self, run, identity=None):
         return self.stage.actor(run, *self.security(identity, "actor-3"))
@@ -269,8 +269,9 @@ def run_actor(checkout, words):
 
 
 def run_status(checkout, words):
-    learner = checkout.learner(words[2], "--security" in words, small(2000))
+    learner = checkout.learner(words[2], "--security" in words)
     status = checkout.start(*words, "--domain", checkout.stage.domain)
+    status.expect_text("task push")  # it has heard the learner, which waits for an actor
     ended(checkout.actor(words[2], "--security" in words), status, learner)
 
 
