@@ -131,6 +131,8 @@ def judge_configuration(words):
     for before, word in itertools.pairwise(["", *rest]):
         if word not in (*NOT_OF_CONFIG, *FLAGS) and before not in NOT_OF_CONFIG:
             command.append(word)
+    if not {"--task", "--config"} & set(command):  # the program's name, with nothing to judge or with one option
+        command += ["--task", "push"]
     said = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert said.returncode == 0, f"{shlex.join(words)}: {said.stderr}"
 
