@@ -94,14 +94,15 @@ std::map<std::string, std::string> PartsOf(std::string_view identity) {
   return parts;
 }
 
-/// Builds did not always name all of their parts: those that both name are compared.
+/// Builds did not always name all of their parts: those that both name are compared. Not versions
+/// of this project: CHANGELOG.md names the few that change a bit.
 void AddBuild(const std::string& trained, const std::string& used, Sentences& sentences) {
   std::vector<std::string> before;
   std::vector<std::string> now;
   const auto parts = PartsOf(used);
   for (const auto& [of, part] : PartsOf(trained)) {
     const auto other = parts.find(of);
-    if (other == parts.end() || other->second == part) continue;
+    if (of == "metronome" || other == parts.end() || other->second == part) continue;
     before.push_back(part);
     now.push_back(other->second);
   }
