@@ -4,6 +4,7 @@ import importlib.util
 import itertools
 import tomllib
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex, to_rgb
@@ -23,6 +24,8 @@ from draw import controls, efficiency, final, heads, learning
 def few_resamples(monkeypatch):
     """How good intervals are is tested elsewhere."""
     monkeypatch.setattr(estimates, "RESAMPLES", 20)
+    yield
+    plt.close("all")
 
 
 def read(folder):
