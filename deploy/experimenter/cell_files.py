@@ -128,7 +128,8 @@ class CellFiles:
         with open(self.result / "evaluation.csv", newline="") as file:
             rows = list(csv.DictReader(file))
         config = (self.result / "config.textproto").read_text()
-        told = {"milestone_every": int(every) for every in re.findall(r"^\s*milestone_every: (\d+)$", config, re.M)}
+        every = re.search(r"^\s*milestone_every: (\d+)$", config, re.M)
+        told = {"milestone_every": int(every[1])} if every else {}
         if rows:
             told |= {"evaluation_episodes": max(int(row["episodes"]) for row in rows),
                      "evaluation_placements": sorted({row["placements"] for row in rows})}

@@ -1,6 +1,7 @@
 import pytest
 
 from harness import Stage
+from unread import unread  # noqa: F401  (a fixture)
 
 
 @pytest.fixture

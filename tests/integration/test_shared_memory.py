@@ -71,7 +71,7 @@ def test_of_actors_that_start_at_once_those_run_that_fit_and_the_others_are_refu
 
 def test_who_takes_the_place_of_a_killed_actor_waits_for_its_room(stage):
     with machine("52m") as small:
-        learner = stage.learner("run", *SHM, small=ENDLESS, host=small)
+        stage.learner("run", *SHM, small=ENDLESS, host=small)
         team = [stage.actor("run", *SHM, host=small) for _ in range(2)]
         for actor in team:
             actor.expect_text("joined run")

@@ -11,15 +11,13 @@ import shutil
 import signal
 import socket
 import subprocess
-import termios
 from pathlib import Path
 
 import pytest
 
-import children
 import terminal
 from harness import BUILD, ENDLESS, LEARNER, LONG, LONG_UPDATES, ROOT, SMALL, UPDATES
-from unread import start_unread, unread  # noqa: F401  (a fixture)
+from unread import start_unread
 
 TRAIN = ROOT / "deploy" / "train"
 

@@ -3,7 +3,7 @@
 import signal
 
 from harness import ACTOR, DEADLINE, ENDLESS, LEARNER, SMALL, UPDATES, parse_json
-from unread import start_unread, unread  # noqa: F401  (a fixture)
+from unread import start_unread
 
 
 def start_run(stage, unread, small):
