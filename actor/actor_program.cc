@@ -10,7 +10,6 @@
 #include <exception>
 #include <iostream>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -26,6 +25,7 @@
 #include "common/process/exit_codes.h"
 #include "common/process/ignored_signals.h"
 #include "common/process/logging.h"
+#include "common/process/mutex.h"
 #include "common/process/process_identity.h"
 #include "common/process/signal_watch.h"
 
@@ -69,24 +69,24 @@ int StatusOf(client::ActorEnd end, int signal) {
 class StopTarget {
  public:
   void Set(client::ActorClient* client) {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     client_ = client;
     if (client_ != nullptr && signal_ != 0) client_->Stop();
   }
   void Signal(int number) {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     signal_ = number;
     if (client_ != nullptr) client_->Stop();
   }
   int signal() const {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     return signal_;
   }
 
  private:
-  mutable std::mutex mutex_;
-  client::ActorClient* client_ = nullptr;
-  int signal_ = 0;
+  mutable process::Mutex mutex_;
+  client::ActorClient* client_ METRONOME_GUARDED_BY(mutex_) = nullptr;
+  int signal_ METRONOME_GUARDED_BY(mutex_) = 0;
 };
 
 /// @throws SetUpFailed for what options or this machine do not allow.

@@ -11,6 +11,9 @@ set(METRONOME_SANITIZE "" CACHE STRING "With Clang: address (and undefined behav
 
 # No contraction into FMA beyond what is written, so that inlining cannot change a bit.
 add_compile_options(-march=${METRONOME_MARCH} -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Werror)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  add_compile_options(-Wthread-safety)  # common/process/mutex.h
+endif()
 if(METRONOME_SANITIZE STREQUAL "address")
   add_compile_options(-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)

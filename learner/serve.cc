@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 
@@ -19,6 +18,7 @@
 #include "common/process/cpu_times.h"
 #include "common/process/ignored_signals.h"
 #include "common/process/logging.h"
+#include "common/process/mutex.h"
 #include "common/process/output_thread.h"
 #include "common/process/process_identity.h"
 #include "common/process/signal_watch.h"
@@ -38,20 +38,20 @@ namespace {
 class StopTarget {
  public:
   void Set(run::Coordinator* coordinator) {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     coordinator_ = coordinator;
     if (coordinator_ != nullptr && signal_ != 0) coordinator_->RequestStop(signal_);
   }
   void Signal(int signal) {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     signal_ = signal;
     if (coordinator_ != nullptr) coordinator_->RequestStop(signal);
   }
 
  private:
-  std::mutex mutex_;
-  run::Coordinator* coordinator_ = nullptr;
-  int signal_ = 0;
+  process::Mutex mutex_;
+  run::Coordinator* coordinator_ METRONOME_GUARDED_BY(mutex_) = nullptr;
+  int signal_ METRONOME_GUARDED_BY(mutex_) = 0;
 };
 
 std::string HostAndProcess() {

@@ -24,7 +24,7 @@ WorkerPool::~WorkerPool() {
 
 void WorkerPool::Add(std::vector<EpisodeTask> tasks) {
   {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     if (cancelled_) return;
     for (EpisodeTask& task : tasks) queue_.push_back(std::move(task));
   }
@@ -33,7 +33,7 @@ void WorkerPool::Add(std::vector<EpisodeTask> tasks) {
 
 void WorkerPool::Cancel() {
   {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     cancelled_ = true;
     queue_.clear();
   }
@@ -41,7 +41,7 @@ void WorkerPool::Cancel() {
 }
 
 std::exception_ptr WorkerPool::failure() const {
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   return failure_;
 }
 
@@ -51,7 +51,7 @@ void WorkerPool::Work(EpisodePlayer& player) {
     }
   } catch (...) {
     {
-      const std::lock_guard lock(mutex_);
+      const process::MutexLock lock(mutex_);
       if (failure_ != nullptr) return;
       failure_ = std::current_exception();
     }
@@ -62,8 +62,9 @@ void WorkerPool::Work(EpisodePlayer& player) {
 bool WorkerPool::PlayNext(EpisodePlayer& player) {
   EpisodeTask task;
   {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return cancelled_ || !queue_.empty(); });
+    process::MutexLock lock(mutex_);
+    changed_.wait(lock,
+                  [this]() METRONOME_REQUIRES(mutex_) { return cancelled_ || !queue_.empty(); });
     if (cancelled_) return false;
     task = std::move(queue_.front());
     queue_.pop_front();

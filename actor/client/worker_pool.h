@@ -7,12 +7,12 @@
 #include <exception>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <vector>
 
 #include "actor/client/assignment_book.h"
 #include "actor/client/episode_player.h"
+#include "common/process/mutex.h"
 
 namespace metronome::client {
 
@@ -48,10 +48,10 @@ class WorkerPool {
   const std::function<void()> on_failure_;
   std::atomic<bool> cancelled_{false};
   std::atomic<std::uint64_t> steps_{0};
-  mutable std::mutex mutex_;
+  mutable process::Mutex mutex_;
   std::condition_variable changed_;
-  std::deque<EpisodeTask> queue_;
-  std::exception_ptr failure_;
+  std::deque<EpisodeTask> queue_ METRONOME_GUARDED_BY(mutex_);
+  std::exception_ptr failure_ METRONOME_GUARDED_BY(mutex_);
   const std::vector<std::unique_ptr<EpisodePlayer>> players_;
   std::vector<std::thread> threads_;
 };

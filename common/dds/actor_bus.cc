@@ -2,7 +2,6 @@
 #include <atomic>
 #include <deque>
 #include <memory>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "common/dds/inbox.h"
 #include "common/dds/learner_sightings.h"
 #include "common/dds/participant_qos.h"
+#include "common/process/mutex.h"
 
 namespace metronome::dds {
 namespace {
@@ -146,12 +146,12 @@ class DdsActorBus final : public ActorBus {
   static constexpr std::chrono::seconds kRenewEvery{10};
 
   std::optional<ActorEvent> Next() {
-    const std::lock_guard lock(next_mutex_);
+    const process::MutexLock lock(next_mutex_);
     if (inbox_.TakeWoken()) return Woken{};
     if (auto lost = NextUntold()) return lost;
-    auto event = ends_->Next();
+    auto event = ends()->Next();
     const Clock::time_point now = Clock::now();
-    if (ends_->HasLearner()) {
+    if (ends()->HasLearner()) {
       renew_at_ = now + kRenewEvery;
     } else if (now >= renew_at_ || (event && std::holds_alternative<LearnerLost>(*event))) {
       Renew();
@@ -159,15 +159,15 @@ class DdsActorBus final : public ActorBus {
     return event ? event : NextUntold();
   }
 
-  std::optional<ActorEvent> NextUntold() {
+  std::optional<ActorEvent> NextUntold() METRONOME_REQUIRES(next_mutex_) {
     if (untold_.empty()) return std::nullopt;
     const LearnerLost lost{untold_.front()};
     untold_.pop_front();
     return lost;
   }
 
-  void Renew() {
-    const std::lock_guard lock(ends_mutex_);
+  void Renew() METRONOME_REQUIRES(next_mutex_) {
+    const process::MutexLock lock(ends_mutex_);
     // The new one tells of no loss of those that only the old one knew; whoever lives is heard
     // anew.
     if (ends_) {
@@ -182,23 +182,23 @@ class DdsActorBus final : public ActorBus {
   }
 
   [[nodiscard]] std::shared_ptr<Ends> ends() const {
-    const std::lock_guard lock(ends_mutex_);
+    const process::MutexLock lock(ends_mutex_);
     return ends_;
   }
   [[nodiscard]] Clock::time_point renew_at() {
-    const std::lock_guard lock(next_mutex_);
+    const process::MutexLock lock(next_mutex_);
     return renew_at_;
   }
 
   const BusOptions options_;
   const std::uint64_t actor_id_;
   std::atomic<bool> closed_{false};
-  std::mutex next_mutex_;
+  process::Mutex next_mutex_;
   Inbox inbox_;
-  std::deque<std::uint64_t> untold_;  // learners of earlier ends; guarded as renew_at_
-  Clock::time_point renew_at_;        // guarded by next_mutex_, as Renew is once constructed
-  mutable std::mutex ends_mutex_;     // held while there are none
-  std::shared_ptr<Ends> ends_;
+  std::deque<std::uint64_t> untold_ METRONOME_GUARDED_BY(next_mutex_);  // learners of earlier ends
+  Clock::time_point renew_at_ METRONOME_GUARDED_BY(next_mutex_);
+  mutable process::Mutex ends_mutex_;  // held while there are none
+  std::shared_ptr<Ends> ends_ METRONOME_GUARDED_BY(ends_mutex_);
 };
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -14,6 +13,7 @@
 #include "common/dds/participant.h"
 #include "common/dds/peer_watch.h"
 #include "common/messages/bus.h"
+#include "common/process/mutex.h"
 
 /// Typed ends of one topic, in terms of messages. Thread-safe.
 namespace metronome::dds {
@@ -50,7 +50,7 @@ class Writer {
   /// other threads do. @param envelope  unchanged. @throws std::runtime_error.
   WriteResult Write(Envelope<Wire>& envelope) {
     // One at a time: threads that meet a full history together leak payloads inside Fast DDS 2.9.
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     // Not write(void*): its bool merges a full history with a failed encode.
     const ReturnCode code = writer_->write(&envelope, fdds::HANDLE_NIL);
     if (code == ReturnCode::RETCODE_OK) return WriteResult::kWritten;
@@ -86,7 +86,7 @@ class Writer {
   static constexpr std::chrono::milliseconds kRetry{50};
 
   const TopicProfile profile_;
-  std::mutex mutex_;
+  process::Mutex mutex_;
   fdds::DataWriter* const writer_;
 };
 

@@ -2,9 +2,9 @@
 
 #include <condition_variable>
 #include <cstdint>
-#include <mutex>
 
 #include "common/messages/bus.h"
+#include "common/process/mutex.h"
 
 namespace metronome::dds {
 
@@ -15,7 +15,7 @@ class Inbox {
  public:
   void Notify() {
     {
-      const std::lock_guard lock(mutex_);
+      const process::MutexLock lock(mutex_);
       ++changes_;
     }
     changed_.notify_all();
@@ -23,7 +23,7 @@ class Inbox {
 
   void Wake() {
     {
-      const std::lock_guard lock(mutex_);
+      const process::MutexLock lock(mutex_);
       woken_ = true;
       ++changes_;
     }
@@ -32,21 +32,22 @@ class Inbox {
 
   /// Whether Wake was called since the last time this returned true.
   bool TakeWoken() {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     const bool woken = woken_;
     woken_ = false;
     return woken;
   }
 
   [[nodiscard]] std::uint64_t changes() const {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     return changes_;
   }
 
   /// Blocks until changes() differs from `seen`. @return false at the deadline.
   bool WaitForChange(std::uint64_t seen, Clock::time_point deadline) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_until(lock, deadline, [&] { return changes_ != seen; });
+    process::MutexLock lock(mutex_);
+    return changed_.wait_until(lock, deadline,
+                               [&]() METRONOME_REQUIRES(mutex_) { return changes_ != seen; });
   }
 
   /// Calls `next` (which returns an optional event) until it has one or the deadline passed.
@@ -60,10 +61,10 @@ class Inbox {
   }
 
  private:
-  mutable std::mutex mutex_;
+  mutable process::Mutex mutex_;
   std::condition_variable changed_;
-  std::uint64_t changes_ = 0;
-  bool woken_ = false;
+  std::uint64_t changes_ METRONOME_GUARDED_BY(mutex_) = 0;
+  bool woken_ METRONOME_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace metronome::dds

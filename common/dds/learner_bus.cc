@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <map>
-#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "common/dds/endpoints.h"
 #include "common/dds/inbox.h"
 #include "common/dds/learner_sightings.h"
+#include "common/process/mutex.h"
 
 namespace metronome::dds {
 namespace {
@@ -69,7 +69,7 @@ class DdsLearnerBus final : public LearnerBus {
   static constexpr std::chrono::seconds kPatience{10};
 
   std::optional<LearnerEvent> Next() {
-    const std::lock_guard lock(next_mutex_);
+    const process::MutexLock lock(next_mutex_);
     if (inbox_.TakeWoken()) return Woken{};
     if (auto event = NextRival()) return event;
     if (auto event = NextStatus()) return event;
@@ -80,7 +80,7 @@ class DdsLearnerBus final : public LearnerBus {
     return std::nullopt;
   }
 
-  std::optional<LearnerEvent> NextRival() {
+  std::optional<LearnerEvent> NextRival() METRONOME_REQUIRES(next_mutex_) {
     const auto event = sightings_.Next();
     if (!event) return std::nullopt;
     if (const auto* description = std::get_if<RunDescription>(&*event)) {
@@ -113,7 +113,7 @@ class DdsLearnerBus final : public LearnerBus {
   }
 
   const std::chrono::milliseconds close_timeout_;
-  std::mutex next_mutex_;
+  process::Mutex next_mutex_;
   // Before the participant: no listener may be called once it is gone.
   Inbox inbox_;
   ReaderWatch assignment_watch_{&inbox_};
@@ -133,7 +133,8 @@ class DdsLearnerBus final : public LearnerBus {
                                                      &status_watch_};
   dds::Reader<wire::EpisodePubSubType> episodes_{&participant_, dds::kEpisodeTopic,
                                                  &episode_watch_};
-  dds::LearnerSightings sightings_{&participant_, &learner_watch_};
+  dds::LearnerSightings sightings_ METRONOME_GUARDED_BY(next_mutex_){&participant_,
+                                                                     &learner_watch_};
 };
 
 }  // namespace

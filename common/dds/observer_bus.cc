@@ -1,4 +1,3 @@
-#include <mutex>
 #include <utility>
 
 #include "common/dds/dds_bus.h"
@@ -6,6 +5,7 @@
 #include "common/dds/inbox.h"
 #include "common/dds/learner_sightings.h"
 #include "common/dds/participant_qos.h"
+#include "common/process/mutex.h"
 
 namespace metronome::dds {
 namespace {
@@ -28,7 +28,7 @@ class DdsObserverBus final : public ObserverBus {
   }
 
   std::optional<ObserverEvent> Next() {
-    const std::lock_guard lock(next_mutex_);
+    const process::MutexLock lock(next_mutex_);
     // A learner's last words come before the news that it is gone.
     if (auto taken = statuses_.Take()) {
       if (auto* status = std::get_if<LearnerStatus>(&taken->content)) {
@@ -45,7 +45,7 @@ class DdsObserverBus final : public ObserverBus {
     return std::get<BadSample>(*event);
   }
 
-  std::mutex next_mutex_;
+  process::Mutex next_mutex_;
   // Before the participant: no listener may be called once it is gone.
   Inbox inbox_;
   WriterWatch status_watch_{&inbox_};
@@ -53,7 +53,8 @@ class DdsObserverBus final : public ObserverBus {
   dds::Participant participant_;
   dds::Reader<wire::LearnerStatusPubSubType> statuses_{&participant_, dds::kLearnerStatusTopic,
                                                        &status_watch_};
-  dds::LearnerSightings sightings_{&participant_, &learner_watch_};
+  dds::LearnerSightings sightings_ METRONOME_GUARDED_BY(next_mutex_){&participant_,
+                                                                     &learner_watch_};
 };
 
 }  // namespace

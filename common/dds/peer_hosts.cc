@@ -48,7 +48,7 @@ std::string CertificateOf(const ParticipantKey& participant) {
 
 void PeerHosts::Note(const workarounds::Discovered& discovered) {
   const ParticipantKey key = KeyOf(discovered.info.m_guid.guidPrefix);
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   if (discovered.status == workarounds::Discovered::DISCOVERED_PARTICIPANT) {
     std::erase(gone_, key);
     hosts_.insert_or_assign(key, AddressesOf(discovered.info));
@@ -64,7 +64,7 @@ void PeerHosts::Note(const workarounds::Discovered& discovered) {
 
 std::string PeerHosts::HostOf(const ParticipantKey& participant) const {
   if (security_) return CertificateOf(participant);
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   const auto host = hosts_.find(participant);
   return host == hosts_.end() ? kUnknown : host->second;
 }

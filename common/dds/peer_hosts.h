@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <mutex>
 #include <string>
 
 #include "common/dds/workarounds/lease_race_guard.h"
+#include "common/process/mutex.h"
 
 namespace metronome::dds {
 
@@ -37,9 +37,9 @@ class PeerHosts {
   static constexpr std::size_t kGoneKept = 1024;
 
   const bool security_;
-  mutable std::mutex mutex_;
-  std::map<ParticipantKey, std::string> hosts_;
-  std::deque<ParticipantKey> gone_;  // oldest first; still in hosts_
+  mutable process::Mutex mutex_;
+  std::map<ParticipantKey, std::string> hosts_ METRONOME_GUARDED_BY(mutex_);
+  std::deque<ParticipantKey> gone_ METRONOME_GUARDED_BY(mutex_);  // oldest first; still in hosts_
 };
 
 }  // namespace metronome::dds

@@ -6,7 +6,7 @@
 namespace metronome::dds {
 
 void WriterWatch::Saw(const fdds::InstanceHandle_t& writer, std::uint64_t id) {
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   std::erase(lost_, id);
   if (dead_.count(writer) > 0) {
     lost_.push_back(id);
@@ -18,17 +18,17 @@ void WriterWatch::Saw(const fdds::InstanceHandle_t& writer, std::uint64_t id) {
 }
 
 std::uint64_t WriterWatch::Deaths() const {
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   return deaths_;
 }
 
 void WriterWatch::Drained(std::uint64_t mark) {
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   std::erase_if(dead_, [mark](const auto& writer) { return writer.second <= mark; });
 }
 
 std::optional<std::uint64_t> WriterWatch::NextLost() {
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   if (lost_.empty()) return std::nullopt;
   const std::uint64_t id = lost_.front();
   lost_.pop_front();
@@ -36,19 +36,19 @@ std::optional<std::uint64_t> WriterWatch::NextLost() {
 }
 
 std::vector<std::uint64_t> WriterWatch::Untold() const {
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   std::vector<std::uint64_t> ids(lost_.begin(), lost_.end());
   for (const auto& [writer, peer] : peers_) ids.push_back(peer);
   return ids;
 }
 
 bool WriterWatch::TakeIncompatible() {
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   return std::exchange(incompatible_, false);
 }
 
 std::optional<ParticipantKey> WriterWatch::ProcessOf(std::uint64_t id) const {
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   for (const auto& [writer, peer] : peers_) {
     if (peer == id) return ParticipantOf(writer);
   }
@@ -56,7 +56,7 @@ std::optional<ParticipantKey> WriterWatch::ProcessOf(std::uint64_t id) const {
 }
 
 std::vector<ParticipantKey> WriterWatch::Processes() const {
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   std::vector<ParticipantKey> processes;
   for (const auto& [writer, peer] : peers_) processes.push_back(ParticipantOf(writer));
   return processes;
@@ -68,7 +68,7 @@ void WriterWatch::on_subscription_matched(fdds::DataReader* /*reader*/,
                                           const fdds::SubscriptionMatchedStatus& status) {
   const fdds::InstanceHandle_t& writer = status.last_publication_handle;
   {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     if (status.current_count_change > 0) {
       dead_.erase(writer);
       return;
@@ -85,14 +85,14 @@ void WriterWatch::on_subscription_matched(fdds::DataReader* /*reader*/,
 void WriterWatch::on_requested_incompatible_qos(
     fdds::DataReader* /*reader*/, const fdds::RequestedIncompatibleQosStatus& /*status*/) {
   {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     incompatible_ = true;
   }
   inbox_->Notify();
 }
 
 bool ReaderWatch::IsReadBy(const ParticipantKey& process) const {
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   return readers_.count(process) > 0;
 }
 
@@ -105,7 +105,7 @@ void ReaderWatch::on_publication_matched(fdds::DataWriter* /*writer*/,
                                          const fdds::PublicationMatchedStatus& status) {
   const ParticipantKey process = ParticipantOf(status.last_subscription_handle);
   {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     if (status.current_count_change > 0) {
       readers_.insert(process);
     } else if (const auto found = readers_.find(process); found != readers_.end()) {

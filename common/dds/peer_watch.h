@@ -3,13 +3,13 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <vector>
 
 #include "common/dds/inbox.h"
 #include "common/dds/participant.h"
+#include "common/process/mutex.h"
 
 namespace metronome::dds {
 
@@ -50,13 +50,15 @@ class WriterWatch final : public fdds::DataReaderListener {
 
  private:
   Inbox* const inbox_;
-  mutable std::mutex mutex_;
-  std::map<fdds::InstanceHandle_t, std::uint64_t> peers_;  // alive writers that were heard
-  std::uint64_t deaths_ = 0;
-  std::map<fdds::InstanceHandle_t, std::uint64_t> dead_;  // writers whose samples may be left over,
-                                                          // and which death each was
-  std::deque<std::uint64_t> lost_;  // at most one entry a writer that was heard
-  bool incompatible_ = false;
+  mutable process::Mutex mutex_;
+  // Alive writers that were heard.
+  std::map<fdds::InstanceHandle_t, std::uint64_t> peers_ METRONOME_GUARDED_BY(mutex_);
+  std::uint64_t deaths_ METRONOME_GUARDED_BY(mutex_) = 0;
+  // Writers whose samples may be left over, and which death each was.
+  std::map<fdds::InstanceHandle_t, std::uint64_t> dead_ METRONOME_GUARDED_BY(mutex_);
+  // At most one entry a writer that was heard.
+  std::deque<std::uint64_t> lost_ METRONOME_GUARDED_BY(mutex_);
+  bool incompatible_ METRONOME_GUARDED_BY(mutex_) = false;
 };
 
 /// Which processes read what one writer writes. Thread-safe.
@@ -72,8 +74,8 @@ class ReaderWatch final : public fdds::DataWriterListener {
 
  private:
   Inbox* const inbox_;
-  mutable std::mutex mutex_;
-  std::multiset<ParticipantKey> readers_;
+  mutable process::Mutex mutex_;
+  std::multiset<ParticipantKey> readers_ METRONOME_GUARDED_BY(mutex_);
 };
 
 }  // namespace metronome::dds

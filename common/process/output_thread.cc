@@ -7,11 +7,12 @@
 #include <condition_variable>
 #include <csignal>
 #include <deque>
-#include <mutex>
 #include <string_view>
 #include <system_error>
 #include <thread>
 #include <utility>
+
+#include "common/process/mutex.h"
 
 namespace metronome::process {
 namespace {
@@ -48,16 +49,18 @@ struct OutputThread::State {
   explicit State(int to) : descriptor(to) {}
 
   const int descriptor;
-  std::mutex mutex;
+  Mutex mutex;
   std::condition_variable changed;
-  // All guarded by mutex.
-  std::deque<std::string> waiting;
-  std::size_t bytes = 0;  // that wait
-  bool writing = false;
-  bool stuck = false;  // Flush waited in vain, and nothing was written since
-  bool closing = false;
+  std::deque<std::string> waiting METRONOME_GUARDED_BY(mutex);
+  std::size_t bytes METRONOME_GUARDED_BY(mutex) = 0;  // that wait
+  bool writing METRONOME_GUARDED_BY(mutex) = false;
+  bool stuck METRONOME_GUARDED_BY(mutex) =
+      false;  // Flush waited in vain, and nothing was written since
+  bool closing METRONOME_GUARDED_BY(mutex) = false;
 
-  [[nodiscard]] bool AllWritten() const { return waiting.empty() && !writing; }
+  [[nodiscard]] bool AllWritten() const METRONOME_REQUIRES(mutex) {
+    return waiting.empty() && !writing;
+  }
 };
 
 OutputThread::OutputThread(int descriptor) : state_(std::make_shared<State>(descriptor)) {
@@ -70,17 +73,20 @@ OutputThread::OutputThread(int descriptor) : state_(std::make_shared<State>(desc
 }
 
 OutputThread::~OutputThread() {
-  std::unique_lock lock(state_->mutex);
-  state_->changed.wait_for(lock, kFarewell, [this] { return state_->AllWritten(); });
+  MutexLock lock(state_->mutex);
+  state_->changed.wait_for(
+      lock, kFarewell, [this]() METRONOME_REQUIRES(state_->mutex) { return state_->AllWritten(); });
   state_->closing = true;
   state_->waiting.clear();
   state_->changed.notify_all();
 }
 
 void OutputThread::Work(State& state) {
-  std::unique_lock lock(state.mutex);
+  MutexLock lock(state.mutex);
   while (true) {
-    state.changed.wait(lock, [&] { return !state.waiting.empty() || state.closing; });
+    state.changed.wait(lock, [&]() METRONOME_REQUIRES(state.mutex) {
+      return !state.waiting.empty() || state.closing;
+    });
     if (state.waiting.empty()) return;
     const std::string text = std::move(state.waiting.front());
     state.waiting.pop_front();
@@ -96,7 +102,7 @@ void OutputThread::Work(State& state) {
 }
 
 void OutputThread::Write(std::string text) {
-  const std::lock_guard lock(state_->mutex);
+  const MutexLock lock(state_->mutex);
   state_->bytes += text.size();
   state_->waiting.push_back(std::move(text));
   while (state_->bytes > kMostWaiting) {
@@ -107,10 +113,10 @@ void OutputThread::Write(std::string text) {
 }
 
 bool OutputThread::Flush(std::chrono::milliseconds timeout) {
-  std::unique_lock lock(state_->mutex);
+  MutexLock lock(state_->mutex);
   if (state_->stuck) return false;
-  const bool written =
-      state_->changed.wait_for(lock, timeout, [this] { return state_->AllWritten(); });
+  const bool written = state_->changed.wait_for(
+      lock, timeout, [this]() METRONOME_REQUIRES(state_->mutex) { return state_->AllWritten(); });
   state_->stuck = !written;
   return written;
 }

@@ -2,11 +2,33 @@
 
 #include <atomic>
 #include <exception>
-#include <mutex>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
+
+#include "common/process/mutex.h"
 
 namespace metronome::process {
+namespace {
+
+/// The first of what threads throw.
+class FirstFailure {
+ public:
+  void Keep(std::exception_ptr failure) {
+    const MutexLock lock(mutex_);
+    if (!failure_) failure_ = std::move(failure);
+  }
+  void Rethrow() {
+    const MutexLock lock(mutex_);
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  Mutex mutex_;
+  std::exception_ptr failure_ METRONOME_GUARDED_BY(mutex_);
+};
+
+}  // namespace
 
 std::vector<std::thread> StartThreads(std::size_t count,
                                       const std::function<void(std::size_t)>& work,
@@ -30,23 +52,21 @@ std::vector<std::thread> StartThreads(std::size_t count,
 void ShareOut(std::size_t count, std::size_t threads, const std::function<Worker()>& make_worker,
               const std::string& option) {
   std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex failure_mutex;
+  FirstFailure failure;
   const auto work = [&](std::size_t /*thread*/) {
     try {
       const Worker worker = make_worker();
       for (std::size_t i = next++; i < count; i = next++) worker(i);
     } catch (...) {
       next = count;
-      const std::lock_guard lock(failure_mutex);
-      if (!failure) failure = std::current_exception();
+      failure.Keep(std::current_exception());
     }
   };
   for (std::thread& thread : StartThreads(
            threads, work, [&] { next = count; }, option)) {
     thread.join();
   }
-  if (failure) std::rethrow_exception(failure);
+  failure.Rethrow();
 }
 
 }  // namespace metronome::process

@@ -13,7 +13,7 @@ BackgroundThread::BackgroundThread(const std::string& name) : thread_([this] { L
 
 BackgroundThread::~BackgroundThread() {
   {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     closing_ = true;
     changed_.notify_all();
   }
@@ -21,26 +21,29 @@ BackgroundThread::~BackgroundThread() {
 }
 
 void BackgroundThread::Start(std::function<void()> work) {
-  const std::lock_guard lock(mutex_);
-  if (work_) throw std::logic_error("other work still runs");
+  const process::MutexLock lock(mutex_);
+  if (work_ || runs_) throw std::logic_error("other work still runs");
   work_ = std::move(work);
   changed_.notify_all();
 }
 
 void BackgroundThread::Wait() {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return !work_; });
+  process::MutexLock lock(mutex_);
+  changed_.wait(lock, [this]() METRONOME_REQUIRES(mutex_) { return !work_ && !runs_; });
 }
 
 void BackgroundThread::Loop() {
-  std::unique_lock lock(mutex_);
+  process::MutexLock lock(mutex_);
   while (true) {
-    changed_.wait(lock, [this] { return work_ || closing_; });
+    changed_.wait(lock, [this]() METRONOME_REQUIRES(mutex_) { return work_ || closing_; });
     if (!work_) return;
+    std::function<void()> work = std::exchange(work_, nullptr);
+    runs_ = true;
     lock.unlock();
-    work_();
+    work();
+    work = nullptr;
     lock.lock();
-    work_ = nullptr;
+    runs_ = false;
     changed_.notify_all();
   }
 }

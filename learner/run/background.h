@@ -2,9 +2,10 @@
 
 #include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <thread>
+
+#include "common/process/mutex.h"
 
 namespace metronome::run {
 
@@ -30,10 +31,11 @@ class BackgroundThread final : public Background {
  private:
   void Loop();
 
-  std::mutex mutex_;
+  process::Mutex mutex_;
   std::condition_variable changed_;
-  std::function<void()> work_;  // guarded by mutex_; set while work is due or runs
-  bool closing_ = false;        // guarded by mutex_
+  std::function<void()> work_ METRONOME_GUARDED_BY(mutex_);  // that is due
+  bool runs_ METRONOME_GUARDED_BY(mutex_) = false;
+  bool closing_ METRONOME_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

@@ -32,7 +32,7 @@ void BackgroundUpdate::Learn(Outcome outcome) {
   }
   outcome.seconds = std::chrono::duration<double>(now_() - begin).count();
   {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     outcome_ = std::move(outcome);
   }
   wake_();
@@ -41,7 +41,7 @@ void BackgroundUpdate::Learn(Outcome outcome) {
 std::optional<BackgroundUpdate::Outcome> BackgroundUpdate::Take() {
   std::optional<Outcome> outcome;
   {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     outcome.swap(outcome_);
   }
   if (!outcome) return std::nullopt;

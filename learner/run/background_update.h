@@ -2,10 +2,10 @@
 
 #include <exception>
 #include <functional>
-#include <mutex>
 #include <optional>
 
 #include "common/messages/bus.h"
+#include "common/process/mutex.h"
 #include "learner/algorithm/algorithm.h"
 #include "learner/collect/collector.h"
 #include "learner/run/background.h"
@@ -50,8 +50,8 @@ class BackgroundUpdate {
   std::function<TimePoint()> now_;
   std::function<void()> wake_;
   bool runs_ = false;
-  std::mutex mutex_;
-  std::optional<Outcome> outcome_;  // guarded by mutex_
+  process::Mutex mutex_;
+  std::optional<Outcome> outcome_ METRONOME_GUARDED_BY(mutex_);
 };
 
 }  // namespace metronome::run

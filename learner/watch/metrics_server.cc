@@ -6,11 +6,11 @@
 
 #include <chrono>
 #include <exception>
-#include <mutex>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "common/process/mutex.h"
 #include "learner/watch/prometheus_metrics.h"
 
 namespace metronome::watch {
@@ -18,17 +18,17 @@ namespace metronome::watch {
 class MetricsServer::Latest final : public prometheus::Collectable {
  public:
   void Set(std::vector<prometheus::MetricFamily> families) {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     families_ = std::move(families);
   }
   [[nodiscard]] std::vector<prometheus::MetricFamily> Collect() const override {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     return families_;
   }
 
  private:
-  mutable std::mutex mutex_;
-  std::vector<prometheus::MetricFamily> families_;
+  mutable process::Mutex mutex_;
+  std::vector<prometheus::MetricFamily> families_ METRONOME_GUARDED_BY(mutex_);
 };
 
 MetricsServer::MetricsServer(const text::ListenAddress& address)

@@ -98,6 +98,21 @@ def test_a_file_in_the_namespace_of_another_folder_is_found(tmp_path):
     assert misplaced([path], tmp_path) == [f"{path}: metronome::collect"]
 
 
+def hidden_mutexes(files, root=ROOT):
+    """Of those that Clang does not check."""
+    return [f"{path}: {name}" for path in files if path != Path("common/process/mutex.h")
+            for name in re.findall(r"std::\w*mutex\b|std::\w+_lock\b|std::lock_guard\b", (root / path).read_text())]
+
+
+def test_every_mutex_is_one_that_clang_checks():
+    assert not hidden_mutexes(sources())
+
+
+def test_a_mutex_that_clang_does_not_check_is_found(tmp_path):
+    (tmp_path / "a.cc").write_text("static std::mutex mutex;\nconst std::lock_guard lock(mutex);\n")
+    assert hidden_mutexes([Path("a.cc")], tmp_path) == ["a.cc: std::mutex", "a.cc: std::lock_guard"]
+
+
 def cmake_of(folder):
     """CMake's commands without comments."""
     return re.sub(r"#.*", "", (ROOT / folder / "CMakeLists.txt").read_text())

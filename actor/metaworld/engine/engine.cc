@@ -7,6 +7,7 @@
 #include <map>
 
 #include "actor/metaworld/engine/weld_correction.h"
+#include "common/process/mutex.h"
 
 namespace metronome::metaworld::engine {
 namespace {
@@ -50,11 +51,11 @@ void InitialiseEngine() {
 }
 
 std::shared_ptr<Scene> Scene::Load(const std::string& assets, const std::string& scene) {
-  static std::mutex mutex;
-  static std::map<std::string, std::shared_ptr<Scene>> scenes;
+  static process::Mutex mutex;
+  static std::map<std::string, std::shared_ptr<Scene>> scenes METRONOME_GUARDED_BY(mutex);
   InitialiseEngine();
   const std::string path = assets + "/" + scene;
-  const std::lock_guard<std::mutex> lock(mutex);
+  const process::MutexLock lock(mutex);
   auto& entry = scenes[path];
   if (!entry) entry = std::shared_ptr<Scene>(new Scene(LoadModel(path)));
   return entry;

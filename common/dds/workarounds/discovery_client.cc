@@ -88,7 +88,7 @@ void DiscoveryClient::on_participant_discovery(
   Proxy& proxy = ProxyOf(discovered);
   const Prefix& prefix = proxy.m_guid.guidPrefix;
   if (addresses_.count(prefix) > 0) {
-    const std::lock_guard lock(mutex_);
+    const process::MutexLock lock(mutex_);
     if (IsGone(discovered)) {
       servers_.erase(prefix);
     } else {
@@ -112,7 +112,7 @@ void DiscoveryClient::Probe() {
 }
 
 void DiscoveryClient::Drop(const Prefix& server) {
-  const std::lock_guard lock(mutex_);
+  const process::MutexLock lock(mutex_);
   const auto known = servers_.find(server);
   if (known == servers_.end()) return;
   spdlog::warn(

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <map>
-#include <mutex>
 #include <thread>
 #include <vector>
 
 #include "common/dds/workarounds/lease_race_guard.h"
 #include "common/messages/bus_options.h"
+#include "common/process/mutex.h"
 
 namespace metronome::dds::workarounds {
 
@@ -46,10 +46,10 @@ class DiscoveryClient final : public LeaseRaceGuard {
   void Drop(const Prefix& server);
 
   std::map<Prefix, Network::Peer> addresses_;
-  std::mutex mutex_;
-  std::map<Prefix, Proxy*> servers_;  // those that are known now
-  std::map<Prefix, int> probes_;      // a socket a server
-  int stop_ = -1;                     // an eventfd
+  process::Mutex mutex_;
+  std::map<Prefix, Proxy*> servers_ METRONOME_GUARDED_BY(mutex_);  // those that are known now
+  std::map<Prefix, int> probes_;                                   // a socket a server
+  int stop_ = -1;                                                  // an eventfd
   std::thread thread_;
 };
 
