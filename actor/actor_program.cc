@@ -35,7 +35,7 @@ namespace {
 client::ActorClientOptions ClientOptions(const JoinOptions& options) {
   client::ActorClientOptions client;
   client.run_name = options.bus.run_name;
-  client.domain = options.bus.domain;
+  client.why_no_learner = WhyNoLearner(options.bus, options.network);
   client.envs = options.envs;
   client.stay = options.stay;
   if (options.learner_timeout) {

@@ -22,7 +22,6 @@ constexpr const char* kProgram = "metronome-actor";
 struct Typed {
   JoinOptions run;
   std::string transport = "udp";
-  std::string network = "loopback";
   std::string discovery_server;
   replay::TraceOptions trace;
   replay::PlacementsOptions placements;
@@ -92,7 +91,7 @@ void AddRun(CLI::App& app, Typed& typed) {
   run->add_option("--envs", typed.run.envs, "Episodes at once, a thread each, 1 to 1024")
       ->transform(text::Number<int>(1, 1024))
       ->capture_default_str();
-  run->add_option("--network", typed.network,
+  run->add_option("--network", typed.run.network,
                   "loopback: this machine alone; lan: all interfaces, found by multicast; or peers "
                   "to be found by unicast: HOST[:PORT],...; with tcp the learner's HOST[:PORT]")
       ->capture_default_str();
@@ -114,7 +113,8 @@ void AddRun(CLI::App& app, Typed& typed) {
   run->add_option("--learner-timeout,--wait", typed.run.learner_timeout,
                   "Seconds without a learner after which to give up (exit 3) [60]")
       ->transform(text::Number<double>(0, 1e9));
-  run->add_option("--log", typed.run.log.level, "Least severe level to log, to standard error")
+  run->add_option("--log-level,--log", typed.run.log.level,
+                  "Least severe level to log, to standard error")
       ->check(OneOf("level", process::LogLevels()))
       ->capture_default_str();
   run->add_option("--log-format", typed.run.log.format,
@@ -257,7 +257,7 @@ void AddRender(CLI::App& app, const TaskOption& task, Typed& typed) {
 
 JoinOptions Judge(Typed typed) {
   typed.run.bus.transport = ParseTransport(typed.transport);
-  typed.run.bus.network = ParseNetwork(typed.network);
+  typed.run.bus.network = ParseNetwork(typed.run.network);
   typed.run.bus.discovery_servers = ParseDiscoveryServers(typed.discovery_server);
   config::CheckRunName(typed.run.bus.run_name);
   CheckBusOptions(typed.run.bus);

@@ -18,7 +18,8 @@ namespace metronome::actor {
 /// `metronome-actor run`.
 struct JoinOptions {
   BusOptions bus;
-  int envs = 1;  // episodes at once, a thread each
+  std::string network = "loopback";  // as typed
+  int envs = 1;                      // episodes at once, a thread each
   bool stay = false;
   std::optional<double> learner_timeout;  // seconds
   process::LogOptions log;

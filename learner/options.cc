@@ -77,7 +77,7 @@ constexpr FieldOption kFieldOptions[] = {
 struct ConfigArguments {
   std::map<std::string, std::string> fields;  // option name -> text
   std::vector<std::string> settings;          // of --set
-  std::string file;                           // of --config
+  std::vector<std::string> files;             // of --config
 };
 
 struct RunArguments {
@@ -110,9 +110,12 @@ void AddConfigOptions(CLI::App& command, ConfigArguments& arguments) {
         ->type_name(option.value_name);
   }
   command
-      .add_option("--config", arguments.file,
-                  "Configuration file in Protobuf text format (fields: common/schema/config.proto)")
-      ->type_name("FILE");
+      .add_option(
+          "--config", arguments.files,
+          "Configuration file in Protobuf text format (fields: common/schema/config.proto); may be "
+          "repeated. A later file overrides an earlier one field by field, a list as a whole")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
   command
       .add_option(
           "--set", arguments.settings,
@@ -126,7 +129,7 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   command.add_option("--run", arguments.run, "Name of the run: its folder, and what actors join")
       ->type_name("NAME");
   command
-      .add_option("--runs-dir,--runs", arguments.runs_dir,
+      .add_option("--runs,--runs-dir", arguments.runs_dir,
                   "Folder of all runs [default: " + arguments.runs_dir + "]")
       ->type_name("DIR");
   command.add_flag("--resume", arguments.resume,
@@ -150,7 +153,7 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
 }
 
 void AddStatusOptions(CLI::App& command, StatusOptions& options) {
-  command.add_option("RUN", options.run, "Name of the run")->type_name("");
+  command.add_option("RUN,--run", options.run, "Name of the run")->type_name("NAME");
   command.add_option("--domain", options.domain, "DDS domain, 0 to 232 [default: 0]")
       ->type_name("N")
       ->transform(text::Number<std::uint32_t>(0, 232));
@@ -187,7 +190,7 @@ std::string FieldValue(const FieldOption& option, const std::string& text) {
 
 RunConfig BuildConfig(config::ConfigDraft draft, const CLI::App& command,
                       const ConfigArguments& arguments, const config::SpecSource& specs) {
-  if (!arguments.file.empty()) draft.ReadFile(arguments.file);
+  for (const std::string& file : arguments.files) draft.ReadFile(file);
   for (const std::string& setting : arguments.settings) draft.SetFromArgument(setting);
   for (const FieldOption& option : kFieldOptions) {
     if (command.get_option(option.name)->count() == 0) continue;
@@ -338,7 +341,8 @@ std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* cons
       return PrintConfigOptions{BuildConfig(config::ConfigDraft(), given, print_arguments, specs)};
     }
     if (&given == status_command) {
-      if (status.run.empty()) throw config::ConfigError("name the RUN to show");
+      if (status.run.empty())
+        throw config::ConfigError("name the run to show: metronome-learner status NAME");
       config::CheckRunName(status.run);
       return status;
     }

@@ -104,6 +104,25 @@ std::string NetworkOfActors(const RuntimeConfig& runtime) {
   return runtime.network();
 }
 
+/// The options by which actors and observers find the run.
+std::string HowToFind(const RunOptions& options) {
+  const RuntimeConfig& runtime = options.config.runtime();
+  std::string words = " --run " + options.run;
+  if (runtime.domain() != 0) words += " --domain " + std::to_string(runtime.domain());
+  if (runtime.transport() != "udp") words += " --transport " + runtime.transport();
+  if (runtime.network() != "loopback") words += " --network " + NetworkOfActors(runtime);
+  if (!runtime.discovery_server().empty()) {
+    words += " --discovery-server " + runtime.discovery_server();
+  }
+  return words;
+}
+
+void SayHowToWatch(const RunOptions& options) {
+  const bool secured = !options.config.runtime().security().empty();
+  spdlog::info("watch it with: metronome-learner status{}{}", HowToFind(options),
+               secured ? " --security DIR/observer" : "");
+}
+
 run::CoordinatorSetup SetupOf(const RunOptions& options, const run::RunStart& start) {
   const RunConfig& config = options.config;
   run::CoordinatorSetup setup;
@@ -129,19 +148,7 @@ run::CoordinatorSetup SetupOf(const RunOptions& options, const run::RunStart& st
   setup.checkpoint_every = static_cast<std::uint64_t>(config.runtime().checkpoint_every());
   setup.milestone_every = static_cast<std::uint64_t>(config.runtime().milestone_every());
   setup.resumed = start.resumed;
-  setup.how_to_join = "metronome-actor run --run " + options.run;
-  if (config.runtime().domain() != 0) {
-    setup.how_to_join += " --domain " + std::to_string(config.runtime().domain());
-  }
-  if (config.runtime().transport() != "udp") {
-    setup.how_to_join += " --transport " + config.runtime().transport();
-  }
-  if (config.runtime().network() != "loopback") {
-    setup.how_to_join += " --network " + NetworkOfActors(config.runtime());
-  }
-  if (!config.runtime().discovery_server().empty()) {
-    setup.how_to_join += " --discovery-server " + config.runtime().discovery_server();
-  }
+  setup.how_to_join = "metronome-actor run" + HowToFind(options);
   if (!config.runtime().security().empty()) setup.how_to_join += " --security DIR/ACTOR";
   return setup;
 }
@@ -162,6 +169,7 @@ record::RunFacts FactsOf(const RunOptions& options, const run::CoordinatorSetup&
   facts.path = options.folder;
   facts.incarnation = setup.description.incarnation;
   facts.length = setup.status.length;
+  facts.episodes_per_update = setup.rules.episodes_per_update;
   facts.domain = options.config.runtime().domain();
   facts.transport = options.config.runtime().transport();
   facts.network = options.config.runtime().network();
@@ -212,6 +220,7 @@ int Serve(const RunOptions& options, const algorithm::Algorithms& algorithms, St
   run::BackgroundThread background("update");
   run::Coordinator coordinator(setup, *bus, *algorithm, record, background);
   target.Set(&coordinator);
+  SayHowToWatch(options);
   const auto clear = [&target](run::Coordinator*) { target.Set(nullptr); };
   const std::unique_ptr<run::Coordinator, decltype(clear)> set(&coordinator, clear);
   const int status = CodeOfServing([&coordinator] { return coordinator.Run(); });

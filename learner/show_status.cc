@@ -27,18 +27,15 @@ BusOptions BusOptionsOf(const StatusOptions& options) {
 }
 
 int Watch(const StatusOptions& options) {
-  const auto bus = dds::MakeDdsObserverBus(BusOptionsOf(options));
+  const BusOptions bus_options = BusOptionsOf(options);
+  const auto bus = dds::MakeDdsObserverBus(bus_options);
   const auto wait = std::chrono::duration_cast<Clock::duration>(
       std::chrono::duration<double>(options.wait_seconds));
   const auto ending =
       watch::ShowLearner(*bus, Clock::now() + wait, {options.json, options.follow}, std::cout);
   if (ending) return *ending;
-  spdlog::error(
-      "no learner of run {} is heard within {} s (domain {}, network {}): is it running, and "
-      "were --run, --domain, --transport, --network, --discovery-server and the authority of "
-      "--security the same there? On another machine it must not have been started with "
-      "--network loopback",
-      options.run, options.wait_seconds, options.domain, options.network);
+  spdlog::error("no learner of run {} is heard within {} s: {}", options.run, options.wait_seconds,
+                WhyNoLearner(bus_options, options.network));
   return process::kExitNoLearner;
 }
 

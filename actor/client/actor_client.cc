@@ -7,6 +7,7 @@
 
 #include "common/config/config.h"
 #include "common/policy/snapshot.h"
+#include "common/text/number_text.h"
 
 namespace metronome::client {
 namespace {
@@ -76,8 +77,8 @@ void ActorClient::Stop() {
 
 ActorEnd ActorClient::Run() {
   const EndOfRun end_of_run{this};
-  StartWaiting("no learner for run '" + options_.run_name + "' on domain " +
-               std::to_string(options_.domain) + " yet");
+  StartWaiting("no learner for run '" + options_.run_name + "' is heard yet");
+  hint_ = options_.why_no_learner;
   while (!stopped_) {
     std::optional<ActorEnd> end;
     if (auto event = bus_->Wait(NextTick())) end = Handle(*std::move(event));
@@ -119,6 +120,7 @@ std::optional<ActorEnd> ActorClient::HandleDescription(RunDescription descriptio
                  description.run_name, options_.run_name);
     return std::nullopt;
   }
+  hint_.clear();
   const std::uint64_t id = description.learner_id;
   learners_[id] = std::move(description);
   ForgetOldest(obeyed_, &learners_);
@@ -174,9 +176,9 @@ std::optional<ActorEnd> ActorClient::Adopt(const RunDescription& description) {
         Deliver(incarnation, std::move(episode));
       },
       [this] { bus_->Wake(); });
-  spdlog::info("joined run '{}' (task {}, engine {}, incarnation {}) with {} env(s)",
-               options_.run_name, config_.environment().task(), options_.engine,
-               description.incarnation, options_.envs);
+  spdlog::info("joined run '{}' (task {}, engine {}, incarnation {}) with {}", options_.run_name,
+               config_.environment().task(), options_.engine, description.incarnation,
+               text::Counted(static_cast<std::uint64_t>(options_.envs), "env"));
   book_.Obey(description.incarnation);
   SendStatus();
   QueueReady();
@@ -193,8 +195,8 @@ RunSetup ActorClient::SetUp(const RunConfig& config) const {
 
 std::optional<ActorEnd> ActorClient::Finish() {
   if (!options_.stay) {
-    spdlog::info("run '{}' is finished: {} episodes were played here", options_.run_name,
-                 episodes_done_.load());
+    spdlog::info("run '{}' is finished: {} played here", options_.run_name,
+                 text::Counted(episodes_done_, "episode"));
     return ActorEnd::kFinished;
   }
   if (!obeyed_ && waiting_since_) return std::nullopt;
@@ -218,8 +220,8 @@ std::optional<ActorEnd> ActorClient::HandleAssignment(const EpisodeAssignment& a
     return ActorEnd::kRefused;
   }
   if (!book_.Add(assignment)) {
-    spdlog::warn("dropped an assignment of {} episodes: {} wait already", assignment.numbers.size(),
-                 book_.held());
+    spdlog::warn("dropped an assignment of {}: {} wait already",
+                 text::Counted(assignment.numbers.size(), "episode"), book_.held());
   }
   QueueReady();
   return std::nullopt;
@@ -262,12 +264,15 @@ std::optional<ActorEnd> ActorClient::Tick() {
 std::optional<ActorEnd> ActorClient::TickWithoutLearner(Clock::time_point now) {
   const double waited = Seconds(now - *waiting_since_);
   if (options_.patience && now - *waiting_since_ >= *options_.patience) {
-    spdlog::error("{}: giving up after {:.0f} s", waiting_for_, waited);
+    spdlog::error("{}: giving up after {:.0f} s{}", waiting_for_, waited,
+                  hint_.empty() ? "" : ": " + hint_);
     return ActorEnd::kNoLearner;
   }
   if (now < next_notice_) return std::nullopt;
   next_notice_ = now + options_.notice_every;
-  if (options_.patience) {
+  if (!hint_.empty()) {
+    spdlog::warn("{} ({:.0f} s): {}", waiting_for_, waited, std::exchange(hint_, ""));
+  } else if (options_.patience) {
     spdlog::info("{} ({:.0f} s of {:.0f} s)", waiting_for_, waited, Seconds(*options_.patience));
   } else {
     spdlog::info("{} ({:.0f} s)", waiting_for_, waited);
@@ -308,8 +313,8 @@ void ActorClient::NoticeIdleness(std::uint64_t steps, Clock::time_point now) {
   if (now < next_idle_notice_ || waiting_since_) return;
   next_idle_notice_ = now + options_.idle_notice_every;
   if (book_.held() > 0) {
-    spdlog::info("idle for {:.0f} s: {} assigned episodes wait for their policy snapshot",
-                 Seconds(now - idle_since_), book_.held());
+    spdlog::info("idle for {:.0f} s: no policy snapshot yet for {}", Seconds(now - idle_since_),
+                 text::Counted(book_.held(), "assigned episode"));
   } else {
     spdlog::info(
         "idle for {:.0f} s: the learner of run '{}' is there and has assigned nothing (it updates, "

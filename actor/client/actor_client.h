@@ -18,9 +18,9 @@ namespace metronome::client {
 
 struct ActorClientOptions {
   std::string run_name;
-  std::uint32_t domain = 0;  // for messages
-  int envs = 1;              // episodes at once, at least 1
-  bool stay = false;         // serve the next run of this name too
+  std::string why_no_learner;  // what to look at then, for people
+  int envs = 1;                // episodes at once, at least 1
+  bool stay = false;           // serve the next run of this name too
   /// How long without a learner, at the start or later; std::nullopt: for ever.
   std::optional<std::chrono::milliseconds> patience = std::chrono::seconds(60);
   std::chrono::milliseconds notice_every = std::chrono::seconds(3);  // while there is no learner
@@ -97,6 +97,7 @@ class ActorClient {
   std::string canonical_digest_;                      // of obeyed_
   std::optional<Clock::time_point> waiting_since_;    // set while no learner is obeyed and alive
   std::string waiting_for_;                           // what the notice says of it
+  std::string hint_;  // for the first notice; empty once it is said or a learner is heard
   Clock::time_point next_notice_;
   Clock::time_point next_status_;
   Clock::time_point last_status_;

@@ -3,7 +3,8 @@
 #include <Eigen/Core>
 #include <cmath>
 
-/// The reward's building blocks (reference spec section 5). Pure functions.
+/// The reward's building blocks, as metaworld 3.1.1 has them: utils/reward_utils.py, and
+/// _gripper_caging_reward of sawyer_xyz_env.py. Pure functions.
 namespace metronome::metaworld {
 
 /// A number under numpy's promotion rules (NEP 50): once a float32 action enters a formula, all

@@ -16,7 +16,8 @@ constexpr int kObjectQpos = 9;  // the object's free joint follows 7 arm and 2 f
 constexpr int kObjectQvel = 9;
 constexpr std::array<double, 4> kMocapQuaternion = {1, 0, 1, 0};  // un-normalised, as official
 
-// Where step() clips hand and gripper to; the object is unbounded (spec section 3).
+// Where step() clips hand and gripper of an observation to (metaworld 3.1.1, sawyer_xyz_env.py,
+// sawyer_observation_space); the object is unbounded.
 constexpr std::array<double, 4> kFrameLow = {-0.525, 0.348, -0.0525, -1};
 constexpr std::array<double, 4> kFrameHigh = {0.525, 1.025, 0.7, 1};
 

@@ -28,7 +28,7 @@ struct HandSettings {
 /// Where and how the manipulated object is, as the observation shows it.
 struct ObjectPose {
   Eigen::Vector3d position;
-  Eigen::Vector4d quaternion;  // component order depends on the task (spec section 3)
+  Eigen::Vector4d quaternion;  // (w, x, y, z) of a body, (x, y, z, w) of a geom's matrix, by task
 };
 
 struct Outcome {
@@ -50,9 +50,10 @@ struct RecordedState {
 };
 
 /// The Sawyer arm that all Meta-World scenes share: mocap action, observation, clip, time limit and
-/// the order of a reset (reference spec sections 1 to 4). A task derives from it and says where its
-/// object is, how it is placed and what is rewarded. An episode is a pure function of the placement
-/// and the actions: no state of an earlier episode survives Reset. Not thread-safe; one per thread.
+/// the order of a reset (metaworld 3.1.1, sawyer_xyz_env.py). A task derives from it and says where
+/// its object is, how it is placed and what is rewarded. An episode is a pure function of the
+/// placement and the actions: no state of an earlier episode survives Reset. Not thread-safe; one
+/// per thread.
 class SawyerEnvironment {
  public:
   virtual ~SawyerEnvironment() = default;

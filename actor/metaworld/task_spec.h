@@ -11,7 +11,7 @@ namespace metronome::metaworld {
 class SawyerEnvironment;
 
 /// Everything about a task that is not its behaviour. One row of the table a task; behaviour is in
-/// tasks/NAME.cc. Sources: reference spec sections 1 and 4.
+/// tasks/NAME.cc. Source: metaworld 3.1.1, envs/sawyer_NAME_v3.py, model_name and __init__.
 struct TaskSpec {
   std::string name;   // canonical, e.g. "push"; "push-v2" and "push-v3" name the same task
   std::string scene;  // XML file, relative to the assets folder

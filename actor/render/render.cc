@@ -147,8 +147,11 @@ void Render(const RenderOptions& options, const environment::EnvironmentRegistry
   out << task << ", weights version " << checkpoint.state.version << ", "
       << (fixed ? "fixed placement" : "seed " + std::to_string(options.seed)) << ", episode "
       << options.episode << ": return " << text::FormatNumber(path.outcome.episode_return)
-      << (path.outcome.success ? ", success" : ", no success") << '\n'
-      << std::flush;
+      << (path.outcome.success ? ", success" : ", no success") << '\n';
+  for (const std::string& written : {options.out, options.csv}) {
+    if (!written.empty()) out << "wrote " << written << '\n';
+  }
+  out << std::flush;
   if (!out) throw std::runtime_error("cannot write the result to standard output");
 }
 

@@ -9,6 +9,7 @@
 #include "common/policy/snapshot.h"
 #include "common/process/sha256.h"
 #include "common/schema/checkpoint.pb.h"
+#include "common/text/number_text.h"
 
 namespace metronome::checkpoint {
 namespace {
@@ -183,7 +184,7 @@ std::string ShapeText(const RunConfig& config) {
   const policy::NetworkShape shape = policy::ShapeOf(config);
   std::string text = std::to_string(shape.input()) + " inputs, hidden";
   for (const auto width : shape.hidden) text += " " + std::to_string(width);
-  return text + ", " + std::to_string(shape.heads) + " heads of " + std::to_string(shape.action) +
+  return text + ", " + text::Counted(shape.heads, "head") + " of " + std::to_string(shape.action) +
          ", " + std::to_string(shape.critic_heads) + " of the critic";
 }
 

@@ -14,6 +14,23 @@ constexpr std::int32_t kDefaultHeads = 10;
 constexpr std::int32_t kDefaultWidth = 128;
 constexpr std::int64_t kDefaultMinibatch = 1000;
 
+/// Where the first value of `group` came from; nullptr: nobody set one.
+const std::string* OriginOfGroup(const ConfigOrigins& origins, const std::string& group) {
+  const auto first = origins.lower_bound(group + ".");
+  return first != origins.end() && first->first.starts_with(group + ".") ? &first->second : nullptr;
+}
+
+/// A file's algorithm would replace an earlier file's without a word.
+void RequireSameAlgorithm(const ParsedConfig& parsed, const ConfigOrigins& origins) {
+  for (const auto& [group, other] : {std::pair("ppo", "custom"), std::pair("custom", "ppo")}) {
+    const std::string* here = OriginOfGroup(parsed.origins, group);
+    const std::string* before = OriginOfGroup(origins, other);
+    if (here == nullptr || before == nullptr) continue;
+    throw ConfigError(*here + ": " + group + " is set, and " + other + " at " + *before +
+                      ": a run learns by one of the two");
+  }
+}
+
 }  // namespace
 
 RunConfig Resolve(RunConfig config) {
@@ -86,6 +103,7 @@ void CheckRunName(const std::string& name) {
 
 void ConfigDraft::ReadFile(const std::string& path) {
   const ParsedConfig parsed = ParseConfigFile(path);
+  RequireSameAlgorithm(parsed, origins_);
   Overlay(config_, parsed.config);
   for (const auto& [field, origin] : parsed.origins) origins_[field] = origin;
 }

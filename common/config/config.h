@@ -8,7 +8,7 @@
 #include "common/config/environment_spec.h"
 #include "common/schema/config.pb.h"
 
-/// The life of a configuration: draft (file < --set < options), complete by the environment's
+/// The life of a configuration: draft (files < --set < options), complete by the environment's
 /// specification, resolve, validate, print, compare.
 /// Field meanings and defaults: common/schema/config.proto. No function keeps state; all are
 /// thread-safe.
@@ -49,7 +49,8 @@ class ConfigDraft {
   /// Starts from a run's own configuration (--resume).
   explicit ConfigDraft(RunConfig base) : config_(std::move(base)) {}
 
-  /// @throws ConfigError, see ParseConfigFile.
+  /// May be called again: a later file overrides an earlier one field by field, a list as a whole.
+  /// @throws ConfigError, see ParseConfigFile; also for another algorithm than an earlier file's.
   void ReadFile(const std::string& path);
   /// @param argument  of --set: "ppo.learning_rate=3e-4". @throws ConfigError.
   void SetFromArgument(const std::string& argument);

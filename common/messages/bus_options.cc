@@ -168,4 +168,19 @@ void CheckBusOptions(const BusOptions& options) {
   if (!options.security.empty()) CheckSecurity(options);
 }
 
+std::string WhyNoLearner(const BusOptions& options, const std::string& network) {
+  std::string text = "domain " + std::to_string(options.domain) + ", network " + network + ". ";
+  if (options.network.scope == Network::Scope::kLoopback) {
+    text += "If the learner is on another machine, give --network here as it was given there";
+  } else {
+    text +=
+        "A run that was started without --network is open to its own machine alone: on that "
+        "machine leave --network out here too; to let others in, stop the run and go on with "
+        "--network lan --resume";
+  }
+  return text +
+         ". Otherwise: is the learner running, and were --run, --domain, --transport, --network, "
+         "--discovery-server and the authority of --security the same there?";
+}
+
 }  // namespace metronome

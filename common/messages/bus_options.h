@@ -58,4 +58,8 @@ struct BusOptions {
 ///         together and the remedy.
 void CheckBusOptions(const BusOptions& options);
 
+/// What to look at when no learner of the run is heard, for people.
+/// @param network  as typed; see ParseNetwork.
+std::string WhyNoLearner(const BusOptions& options, const std::string& network);
+
 }  // namespace metronome

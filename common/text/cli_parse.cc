@@ -44,6 +44,20 @@ std::optional<std::string> ForgottenValue(const CLI::App& command) {
   return std::nullopt;
 }
 
+/// CLI11 counts values; a person typed an option again.
+std::optional<std::string> GivenAgain(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    const auto count = option->results().size();
+    const bool has_one = option->get_multi_option_policy() == CLI::MultiOptionPolicy::Throw &&
+                         option->get_items_expected_max() == 1;
+    if (!has_one || count < 2) continue;
+    return option->get_name() + " is given " + std::to_string(count) +
+           " times, and it has one value: \"" + option->results().front() + "\" or \"" +
+           option->results().back() + "\"?";
+  }
+  return std::nullopt;
+}
+
 std::optional<std::string> Complaint(const CLI::App& app, const CLI::App* command) {
   if (command == nullptr) {
     const auto left = app.remaining();
@@ -59,6 +73,17 @@ std::optional<std::string> Complaint(const CLI::App& app, const CLI::App* comman
     if (!left.empty()) return ExplainExtra(*command, left.front());
   }
   return std::nullopt;
+}
+
+/// The command that was given; nullptr: none.
+const CLI::App* CommandOf(const CLI::App& app) {
+  const auto given = app.get_subcommands();
+  return given.empty() ? nullptr : given.front();
+}
+
+std::string NameOf(const CLI::App& app) {
+  const CLI::App* command = CommandOf(app);
+  return app.get_name() + (command ? " " + command->get_name() : "");
 }
 
 }  // namespace
@@ -84,12 +109,11 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, const char* const* 
   } catch (const CLI::Success& success) {
     return app.exit(success, std::cout, std::cerr);
   } catch (const CLI::ParseError& error) {
-    return UsageError(app.get_name(), error.what());
+    const auto again = CommandOf(app) ? GivenAgain(*CommandOf(app)) : std::nullopt;
+    return UsageError(NameOf(app), again.value_or(error.what()));
   }
-  const auto given = app.get_subcommands();
-  const CLI::App* command = given.empty() ? nullptr : given.front();
-  const std::string program = app.get_name() + (command ? " " + command->get_name() : "");
-  if (const auto complaint = Complaint(app, command)) return UsageError(program, *complaint);
+  const CLI::App* command = CommandOf(app);
+  if (const auto complaint = Complaint(app, command)) return UsageError(NameOf(app), *complaint);
   return std::nullopt;
 }
 

@@ -10,4 +10,8 @@ std::string FormatNumber(double value) {
   return std::string(text.data(), end);
 }
 
+std::string Counted(std::uint64_t count, std::string_view noun) {
+  return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
+}
+
 }  // namespace metronome::text

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <charconv>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +12,9 @@ namespace metronome::text {
 
 /// Shortest text that reads back as the same double ("0.1", "5e-04", "nan", "inf").
 std::string FormatNumber(double value);
+
+/// "1 actor", "2 actors". @param noun  one whose plural ends in s.
+std::string Counted(std::uint64_t count, std::string_view noun);
 
 /// The whole of `text` as a T (integer or floating point); std::nullopt if it is anything else or
 /// out of T's range. No blanks, no leading '+'; floating point takes nan and inf.

@@ -69,6 +69,20 @@ def _run_name(text):
     return text
 
 
+class _Once(argparse.Action):
+    """Keeps a value, as argparse does by default, which of an option that is given twice drops the first without a
+    word."""
+
+    given = False
+
+    def __call__(self, parser, options, value, option_string=None):
+        if self.given:
+            before = getattr(options, self.dest)
+            parser.error(f"{option_string} is given twice, and it has one value: {before} or {value}?")
+        self.given = option_string is not None
+        setattr(options, self.dest, value)
+
+
 def _parser():
     checkout, actor = place.CHECKOUT, "build/bin/metronome-actor" if place.CHECKOUT else "metronome-actor"
     parser = argparse.ArgumentParser(
@@ -82,6 +96,7 @@ def _parser():
         f"... are listed below{', or, before set-up, in deploy/options.md' * checkout}. Results are kept in runs/NAME/. More "
         f"machines join with: {actor} run --run NAME --network lan",
     )
+    parser.register("action", None, _Once)
     parser.add_argument("-h", "--help", action="store_true", help="show this and end")
     parser.add_argument(
         "task",
@@ -94,9 +109,8 @@ def _parser():
         "--actors",
         type=_whole(0),
         metavar="N",
-        default=cores.usable(),
-        help="actor processes on this machine; 0: all elsewhere (default: cores that may be used, "
-        "%(default)s)",
+        help="actor processes on this machine; 0: all elsewhere (default: one for each core that may be used, here "
+        f"{cores.usable()}, as far as an update has episodes for them)",
     )
     parser.add_argument(
         "--envs",
@@ -161,10 +175,14 @@ def _joined(arguments):
     return words
 
 
+def all_given(options, name):
+    """@return each value that an option of the learner has, in order."""
+    return [word.partition("=")[2] for word in options.learner if word.startswith(f"{name}=")]
+
+
 def given(options, name):
-    """@return the value of an option of the learner, the last one; None without."""
-    values = [word.partition("=")[2] for word in options.learner if word.startswith(f"{name}=")]
-    return values[-1] if values else None
+    """@return the value of an option of the learner that has one; None without."""
+    return next(iter(all_given(options, name)), None)
 
 
 def _fresh_name(options):
@@ -239,15 +257,15 @@ def _require_for_learner(parser, options):
         if not word.startswith("-"):
             parser.error(f"unexpected argument '{word}'")
         if name in SET_HERE:
-            parser.error(f"{name} is set by {NAME} itself; leave it out")
+            instead = "give --runs" if name == "--runs-dir" else "leave it out"
+            parser.error(f"{name} is set by {NAME} itself; {instead}")
     # A run gone on with has read its weights; it only compares the name.
     for name in ("--config", *["--from"] * (not options.resume)):
-        path = given(options, name)
-        try:
-            if path is not None:
+        for path in all_given(options, name):
+            try:
                 folders.require_file(path)
-        except OSError as error:
-            parser.error(f"{name}: {error}")
+            except OSError as error:
+                parser.error(f"{name}: {error}")
 
 
 def parse(arguments):
@@ -260,6 +278,9 @@ def parse(arguments):
         _show_help(parser, options.build)
         sys.exit(0)
     options.named = options.run is not None
+    options.counted = options.actors is not None
+    if not options.counted:
+        options.actors = cores.usable()
     if options.task is None and given(options, "--config") is None and not options.resume:
         parser.error(f"which task? For example: {NAME} push")
     _require_for_learner(parser, options)
@@ -300,23 +321,41 @@ def learner_command(options):
     return command + (["--resume"] if options.resume else [])
 
 
-def actor_command(options, index, started):
-    """An actor's command line; `started` is what the learner said when it accepted the run."""
-    command = [
-        str(options.build / "bin" / "metronome-actor"),
-        "run",
-        "--run",
-        options.run,
-        "--envs",
-        str(options.envs),
-    ]
-    for name in ("domain", "transport", "network", "discovery-server"):
+# How to find a run: options of the learner, of actors and of `status`, and their defaults.
+WAYS = {"domain": 0, "transport": "udp", "network": "loopback", "discovery-server": ""}
+
+
+def _joining(options, started, identity):
+    """The options by which a process of this machine joins the run; `started` is what the learner said when it
+    accepted the run, `identity` the process's, where the run is secured."""
+    words = ["--run", options.run]
+    for name, default in WAYS.items():
         value = started[name.replace("-", "_")]
-        if value != "":
-            command += [f"--{name}", str(value)]
+        if value != default:
+            words += [f"--{name}", str(value)]
     # Of a run gone on with the learner knows it.
     security = options.security or (started.get("security") and Path(started["security"]).parent)
-    return command + (["--security", str(security / f"actor-{index}")] if security else [])
+    return words + (["--security", str(security / identity)] if security else [])
+
+
+def actor_command(options, index, started):
+    """An actor's command line."""
+    program = str(options.build / "bin" / "metronome-actor")
+    return [program, "run", "--envs", str(options.envs), *_joining(options, started, f"actor-{index}")]
+
+
+def _typed(options, program, *words):
+    return shlex.join([folders.typed(options.build / "bin" / program), *words])
+
+
+def join_command(options, started):
+    """What a person types on this machine to start an actor."""
+    return _typed(options, "metronome-actor", "run", *_joining(options, started, "actor-0"))
+
+
+def watch_command(options, started):
+    """What a person types on this machine to see how the run is."""
+    return _typed(options, "metronome-learner", "status", *_joining(options, started, "observer"))
 
 
 def resume_command(options):
@@ -324,3 +363,12 @@ def resume_command(options):
     words = [word for word in sys.argv[1:] if word != "--resume"]
     words += [] if options.named else ["--run", options.run]
     return shlex.join([folders.typed(place.command("train")), *words, "--resume"])
+
+
+def wide_command(options):
+    """What a person types for a new run that has episodes for all of options.actors."""
+    train, wide = folders.typed(place.command("train")), folders.shown(place.data("wide.textproto"))
+    ours = ("--resume", "--run=", f"--config={wide}", "--set=collection.episodes_per_update=")
+    words = [word for word in _joined(sys.argv[1:]) if not word.startswith(ours)]
+    episodes = 2 * options.actors * options.envs
+    return shlex.join([train, *words, "--config", wide, "--set", f"collection.episodes_per_update={episodes}"])

@@ -24,3 +24,6 @@ def called(name):
     return f"deploy/{name}" if CHECKOUT else f"metronome-{name}"
 
 
+def data(name):
+    """@return the path of a file that lies beside the launcher's folder."""
+    return _AROUND / name

@@ -19,6 +19,7 @@ from patience import Patience
 
 RESTARTS = 5  # of one actor, after which it is given up
 SERIOUS = re.compile(rb" (warning|error|critical): ")  # lines of the learner's log shown at once
+IDLE = re.compile(rb"envs beyond half of that are often idle")  # among them, what the launcher says itself
 JOINED = re.compile(rb" info: actor .* joins with ")  # as learner/collect/actor_registry.cc says it
 COMPLAINTS = 20  # so many of them at most
 # Updates and checkpoints end within seconds; a learner that takes longer than this hangs.
@@ -65,6 +66,7 @@ class Session:
         self._early, self._log = [], None
         self._shown = None  # how many of the early lines a person has seen, once they are shown
         self._complaints = 0
+        self._is_capped = False  # fewer actors than cores, which was said
         self._actors = []
         self._stop_signal = None
         self._failed = False
@@ -155,21 +157,35 @@ class Session:
         for line in self._early[seen:]:
             self._on_log(line)
         # A run that was finished before needs none; they would wait for a learner that has ended.
-        count = self._options.actors if record["update"] < record["updates_total"] else 0
+        count = self._useful(record["episodes_per_update"]) if record["update"] < record["updates_total"] else 0
         self._actors = [Actor(i, folder / f"actor-{i}.log") for i in range(count)]
         self._view.note(
-            f"run {self._options.run}: learner and {len(self._actors)} actors; "
+            f"run {self._options.run}: learner and {count} actor{'s' * (count != 1)}; "
             f"logs in {shown(folder)}/"
         )
+        self._view.note(f"  watch       {command_line.watch_command(self._options, record)}")
+        self._is_capped = 0 < count < self._options.actors
+        if self._is_capped:
+            self._view.note(
+                f"warning: {count} of {self._options.actors} cores have an actor, since an update has no more "
+                f"episodes ({record['episodes_per_update']}); a new run can use them all:\n"
+                f"  {command_line.wide_command(self._options)}"
+            )
         if count or not self._options.actors:
             self._patience = Patience()
         else:
             self._patience.end()
         if not self._options.actors:
             self._view.note(
-                f"no actor here: start them with {typed(self._options.build / 'bin' / 'metronome-actor')} run --run "
-                f"{self._options.run}"
+                "no actor here: start them with " + command_line.join_command(self._options, record)
             )
+
+    def _useful(self, episodes):
+        """@param episodes  of an update. @return how many actors to start: those asked for, else as many as can have
+        an episode to play."""
+        options = self._options
+        most = -(-episodes // options.envs)
+        return options.actors if options.counted else min(options.actors, most)
 
     def _on_log(self, line):
         if not self._log:
@@ -180,7 +196,7 @@ class Session:
         self._log.append(line)
         if JOINED.search(line):
             self._patience.end()
-        if SERIOUS.search(line) and self._complaints < COMPLAINTS:
+        if SERIOUS.search(line) and not (self._is_capped and IDLE.search(line)) and self._complaints < COMPLAINTS:
             self._complaints += 1
             self._view.note(line.decode(errors="surrogateescape"))
             if self._complaints == COMPLAINTS:
@@ -284,8 +300,8 @@ class Session:
     def _say_results(self, done):
         options = self._options
         folder, latest = options.folder, options.folder / "checkpoints" / "latest"
-        message = self._finished.get("message", f"run {options.run}")
-        print(f"{'finished' if done else 'stopped'}: {message}")
+        stopped = self._finished.get("message", f"stopped: run {options.run}")
+        print(f"finished: {self._finished['message']}" if done else stopped)
         print(f"  results     {shown(folder)}/progress.csv")
         print(f"  curves      {shlex.join(['tensorboard', '--logdir', shown(folder)])}")
         newest = f" -> {os.readlink(latest)}" if latest.is_symlink() else ""

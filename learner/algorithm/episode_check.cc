@@ -10,6 +10,7 @@
 #include "common/policy/head_schedule.h"
 #include "common/policy/network.h"
 #include "common/policy/policy.h"
+#include "common/text/number_text.h"
 
 namespace metronome::algorithm {
 namespace {
@@ -25,7 +26,7 @@ std::optional<std::string> CheckLength(std::size_t length, const EnvironmentConf
   const auto horizon = std::size_t(environment.horizon());
   const bool early = environment.spec().may_end_early();
   if (length == horizon || (early && length > 0 && length < horizon)) return std::nullopt;
-  return "it has " + std::to_string(length) + " steps, not " + (early ? "1 to " : "") +
+  return "it has " + text::Counted(length, "step") + ", not " + (early ? "1 to " : "") +
          std::to_string(horizon);
 }
 

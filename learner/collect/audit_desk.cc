@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/text/number_text.h"
+
 namespace metronome::collect {
 namespace {
 
@@ -75,10 +77,10 @@ void AuditDesk::Disregard(const std::string& host) {
 std::string AuditDesk::Text(const trust::ExcludedHosts& excluded) const {
   if (!audit_.on()) return "";
   const trust::Audit::Counts& counts = audit_.counts();
-  std::string text = "audit: " + std::to_string(counts.agreed) +
-                     " episodes were played by two actors and agree in every bit, " +
-                     std::to_string(counts.alone) + " more had nobody to play them again, " +
-                     std::to_string(counts.disputes) + " were disputed; excluded hosts: ";
+  std::string text = "audit: " + text::Counted(counts.agreed, "episode") +
+                     " played by two actors, equal in every bit; " + std::to_string(counts.alone) +
+                     " with nobody to play them again; " + std::to_string(counts.disputes) +
+                     " disputed; excluded hosts: ";
   if (excluded.empty()) return text + "none";
   std::string separator;
   for (const auto& host : excluded) text += std::exchange(separator, ", ") + host.first;

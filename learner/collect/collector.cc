@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/text/number_text.h"
 #include "learner/collect/trust/same_bits.h"
 
 namespace metronome::collect {
@@ -52,19 +53,21 @@ void Collector::OnStatus(const ActorStatus& status, TimePoint now) {
     case ActorRegistry::Verdict::kAdmitted:
       plan_.Join(status.actor_id, status.vouched_host, status.envs, now);
       if (is_new && counts_.HasManyActors()) counts_.KeepActors(registry_.Names());
-      WarnOfManyEnvs();
       return;
   }
 }
 
+// Once a process, when the actors of the beginning are all there.
 void Collector::WarnOfManyEnvs() {
-  const std::uint64_t envs = roster().envs();
-  if (2 * envs <= rules_.episodes_per_update || envs <= envs_warned_of_) return;
-  envs_warned_of_ = envs;
+  const std::uint64_t envs = roster().envs(), episodes = rules_.episodes_per_update;
+  if (2 * envs <= episodes || has_warned_of_envs_) return;
+  has_warned_of_envs_ = true;
   spdlog::warn(
-      "{} envs for {} episodes an update: envs beyond half of that will often be idle; the wide "
-      "preset (deploy/wide.textproto) suits many machines",
-      envs, rules_.episodes_per_update);
+      "{} envs for {} episodes an update: envs beyond half of that are often idle; a new run can "
+      "keep "
+      "them busy: deploy/train TASK --config deploy/wide.textproto --set "
+      "collection.episodes_per_update={}",
+      envs, episodes, 2 * envs);
 }
 
 void Collector::OnLost(std::uint64_t actor_id, TimePoint now) {
@@ -74,7 +77,7 @@ void Collector::OnLost(std::uint64_t actor_id, TimePoint now) {
   if (!registry_.Lose(actor_id)) return;
   spdlog::info(
       "actor {} is gone{}", name,
-      assignments > 0 ? "; its " + std::to_string(assignments) + " assignments go to others" : "");
+      assignments > 0 ? "; going to others: " + text::Counted(assignments, "assignment") : "");
 }
 
 // The way of an episode from the wire to its batch: for this learner? from one that may speak?
@@ -210,6 +213,7 @@ void Collector::SendPlan(TimePoint now) {
 }
 
 Collector::Collected Collector::Take(std::uint64_t batch, TimePoint now) {
+  WarnOfManyEnvs();
   return {batches_.Take(batch), plan_.TakeIdleShare(now)};
 }
 
@@ -230,8 +234,7 @@ void Collector::AddSnapshot(PolicySnapshot snapshot) {
 void Collector::Complain(const std::string& text, TimePoint now) {
   if (!complaints_.Pass(now)) return;
   const std::uint64_t withheld = complaints_.TakeWithheld();
-  spdlog::error("{}{}", text,
-                withheld > 0 ? " (and " + std::to_string(withheld) + " more complaints)" : "");
+  spdlog::error("{}{}", text, withheld > 0 ? " (and " + std::to_string(withheld) + " more)" : "");
 }
 
 std::string Collector::Called(std::uint64_t actor_id) const {

@@ -109,7 +109,7 @@ class Collector {
   EpisodeCounts counts_;
   std::map<std::uint64_t, PolicySnapshot> snapshots_;  // by version
   LogLimit complaints_;
-  std::uint64_t envs_warned_of_ = 0;
+  bool has_warned_of_envs_ = false;
 };
 
 }  // namespace metronome::collect

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/text/number_text.h"
 #include "learner/record/rates.h"
 
 namespace metronome::record {
@@ -45,6 +46,7 @@ void ProgressPrinter::Started(std::uint64_t version, std::uint64_t steps) {
                 {"updates_total", updates_total_},
                 {"steps", steps},
                 {"total_steps", facts_.length.total_steps},
+                {"episodes_per_update", facts_.episodes_per_update},
                 {"domain", facts_.domain},
                 {"transport", facts_.transport},
                 {"network", facts_.network},
@@ -59,11 +61,11 @@ void ProgressPrinter::Updated(const algorithm::UpdateReport& report, const WallR
   const double fps = StepsPerSecond(report.steps, wall.seconds);
   const double eta = SecondsLeft(report.steps, facts_.length.total_steps, fps);
   if (style_ == ProgressStyle::kLines) {
-    Say(
-        fmt::format("update {:>4}/{}  {:>8}/{} steps  return {:8.1f}  success {:.2f}  "
-                    "{:6.0f} steps/s  {} actors  {} left",
-                    report.version, updates_total_, report.steps, facts_.length.total_steps,
-                    report.mean_return, report.success, fps, wall.actors, ClockText(eta)));
+    Say(fmt::format(
+        "update {:>4}/{}  {:>8}/{} steps  return {:8.1f}  success {:.2f}  "
+        "{:6.0f} steps/s  {}  {} left",
+        report.version, updates_total_, report.steps, facts_.length.total_steps, report.mean_return,
+        report.success, fps, text::Counted(wall.actors, "actor"), ClockText(eta)));
   } else if (style_ == ProgressStyle::kJson) {
     Say(TextOf({{"update", report.version},
                 {"updates_total", updates_total_},

@@ -18,6 +18,7 @@ struct RunFacts {
   std::string path;  // of its folder
   std::uint64_t incarnation = 0;
   RunLength length;
+  std::uint64_t episodes_per_update = 0;
   std::string network;  // how actors join: domain, transport, network, Discovery Servers
   std::string transport;
   std::string discovery_server;

@@ -8,6 +8,7 @@
 #include "common/config/config.h"
 #include "common/process/build_info.h"
 #include "common/process/files.h"
+#include "common/text/number_text.h"
 #include "learner/record/run_folder.h"
 #include "learner/run/initial_weights.h"
 
@@ -53,7 +54,8 @@ void RequireNoProgress(const RunRequest& request, const std::string& checkpoints
   const auto lines = std::count(content.begin(), content.end(), '\n');
   if (lines <= 1) return;
   throw CannotStart("run " + request.run + " has lost its checkpoints: " + path + " tells of " +
-                    std::to_string(lines - 1) + " updates, and there is none in " + checkpoints +
+                    text::Counted(static_cast<std::uint64_t>(lines - 1), "update") +
+                    ", and there is none in " + checkpoints +
                     "; put a copy there, or begin anew under another --run");
 }
 

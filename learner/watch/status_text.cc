@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/text/number_text.h"
 #include "learner/watch/old_names.h"
 
 namespace metronome::watch {
@@ -51,7 +52,8 @@ std::string StatusTable(const LearnerStatus& status) {
       status.collect_seconds, status.update_seconds, 100 * status.idle_share,
       status.checkpoint_version, status.accepted, status.reassigned, status.duplicates,
       status.rejected, status.stale, status.bytes_sent, status.bytes_received);
-  text += fmt::format("{} actors with {} envs\n", status.actors_total, status.envs_total);
+  text += text::Counted(status.actors_total, "actor") + " with " +
+          text::Counted(status.envs_total, "env") + "\n";
   if (status.age_seconds >= kOldStatusSeconds) {
     text.insert(
         0,

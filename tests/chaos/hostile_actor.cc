@@ -106,7 +106,6 @@ int Run(const BusOptions& options, const std::string& kind, const std::string& h
   process::SetUpLogging("hostile-actor", {});
   client::ActorClientOptions client_options;
   client_options.run_name = options.run_name;
-  client_options.domain = options.domain;
   client_options.actor_id = process::RandomId();
   client_options.host = host;
   client_options.pid = static_cast<std::uint32_t>(getpid());

@@ -150,7 +150,8 @@ def test_a_run_of_ones_own_is_gone_on_with_in_a_folder_of_somebody_elses(checkou
 def test_what_cannot_be_looked_into_is_named(checkout, place, build, option):
     closed = place / "closed"
     closed.mkdir(mode=0o700)
-    done = run(checkout, "deploy/train", "push", "--runs", "/tmp", "--build", build, option, closed / "inside", by=NOBODY)
+    options = {"--runs": "/tmp", "--build": build} | {option: closed / "inside"}
+    done = run(checkout, "deploy/train", "push", *(word for pair in options.items() for word in pair), by=NOBODY)
     assert done.returncode == (1 if option == "--security" else 2), done.stderr
     assert str(closed) in done.stderr and "Traceback" not in done.stderr, done.stderr
 

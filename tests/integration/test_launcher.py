@@ -16,19 +16,10 @@ TRAIN = str(ROOT / "deploy" / "train")
 
 
 def train(stage, *options, actors=2, small=SMALL):
-    return stage.start(
-        TRAIN,
-        *small[1:],  # the task without its option's name
-        "--build",
-        BUILD,
-        "--runs",
-        stage.runs,
-        "--domain",
-        stage.domain,
-        "--actors",
-        actors,
-        *options,
-    )
+    """@param options  take the place of those that are given here."""
+    usual = {"--build": BUILD, "--runs": stage.runs, "--domain": stage.domain, "--actors": actors}
+    given = [word for name, value in usual.items() if name not in options for word in (name, value)]
+    return stage.start(TRAIN, *small[1:], *given, *options)  # the task without its option's name
 
 
 def runs_of(stage):
@@ -50,6 +41,7 @@ def test_it_trains_to_the_end_and_says_where_the_results_are(stage):
     launcher = train(stage, "--run", "run")
     assert launcher.wait() == 0, launcher
     assert "every episode number entered exactly one update: 32 of 32" in launcher.text, launcher
+    assert "learner and 2 actors; logs in" in launcher.text, launcher
     assert re.search(r"update +8/8 +1600/1600 steps +return .* success .* steps/s", launcher.text)
     # The words by which the launcher knows that an actor is there.
     assert session.JOINED.search((stage.runs / "run" / "logs" / "learner.log").read_bytes())
@@ -95,6 +87,23 @@ def test_resuming_what_is_finished_starts_no_actor(stage):
     assert again.wait() == 0, again
     assert "finished: " in again.text and "learner and 0 actors" in again.text, again
     assert log.read_text() == said
+
+
+def test_no_more_actors_start_than_can_have_something_to_play(stage):
+    cores = len(os.sched_getaffinity(0))
+    if cores < 2:
+        pytest.skip("one core has one actor")
+    few = [None, *SMALL[1:], "--set", "collection.episodes_per_update=1", "--set", "ppo.minibatch=50"]
+    launcher = stage.start(TRAIN, *few[1:], "--run", "run", "--build", BUILD, "--runs", stage.runs, "--domain", stage.domain)
+    assert launcher.wait() == 0, launcher
+    assert "learner and 1 actor; logs in" in launcher.text, launcher
+    assert launcher.text.count("warning: ") == 1, launcher
+    command = shlex.split(launcher.lines[launcher.lines.index(launcher.expect_text("warning: ")) + 1])
+    assert command[-3].endswith("deploy/wide.textproto"), command
+    assert command[-1] == f"collection.episodes_per_update={2 * cores}", command
+    asked = train(stage, "--run", "asked", actors=2, small=few)
+    assert asked.wait() == 0 and "learner and 2 actors" in asked.text, asked
+    assert asked.text.count("are often idle") == 1, asked
 
 
 def test_resuming_what_does_not_exist_exits_2(stage):
@@ -144,12 +153,32 @@ def test_the_learners_options_are_the_learners_alone(stage):
     (("--heads", "-5"), "--heads: policy.heads is -5"),
     (("--progress", "lines"), "--progress is set by deploy/train itself"),
     (("more",), "unexpected argument 'more'"),
+    (("--runs-dir", "runs"), "--runs-dir is set by deploy/train itself; give --runs"),
+    (("--envs", "1", "--envs", "2"), "--envs is given twice, and it has one value: 1 or 2?"),
+    (("--heads", "3", "--heads", "4"), '--heads is given 2 times, and it has one value: "3" or "4"?'),
+    (("--config", "no-such-file", "--config", "/dev/null"), "--config: no-such-file: No such file or directory"),
 ], ids=lambda value: value[0] if isinstance(value, tuple) else "")
 def test_options_that_nobody_knows_are_named_and_leave_nothing(stage, options, says):
     launcher = train(stage, "--run", "run", *options)
     assert launcher.wait(60) == 2, launcher
     assert says in launcher.text, launcher
     assert not (stage.runs / "run").exists()
+
+
+def test_configuration_files_are_merged_in_order(stage, tmp_path):
+    first, second = tmp_path / "first.textproto", tmp_path / "second.textproto"
+    first.write_text('environment { task: "push" }\nseed: 3\nppo { clip: 0.3 discount: 0.9 }\n')
+    second.write_text("seed: 4\nppo { clip: 0.1 }\n")
+    files = ("--config", first, "--config", second)
+    no_seed = [None, *SMALL[2:4], *SMALL[6:]]  # nor a task
+    launcher = train(stage, "--run", "run", *files, small=no_seed)
+    assert launcher.wait() == 0, launcher
+    config = (stage.runs / "run" / "config.textproto").read_text()
+    for line in ("seed: 4", "clip: 0.1", "discount: 0.9"):
+        assert line in config, config
+    second.write_text("ppo { clip: -1 }\n")
+    wrong = train(stage, "--run", "wrong", *files, small=no_seed)
+    assert wrong.wait(60) == 2 and f"{second}:1:7: ppo.clip is -1" in wrong.text, wrong
 
 
 def test_a_task_may_stand_behind_the_learners_options(stage):
@@ -221,8 +250,8 @@ def test_a_killed_actor_is_started_again(stage):
 
 def test_without_actors_it_waits_for_others(stage):
     launcher = train(stage, "--run", "run", actors=0)
-    launcher.expect_text("metronome-actor run")
-    assert stage.actor("run").wait() == 0
+    said = launcher.expect_text("metronome-actor run")
+    assert stage.start(*shlex.split(said.partition("start them with ")[2])).wait() == 0
     assert launcher.wait() == 0, launcher
 
 
@@ -254,9 +283,13 @@ def test_printed_commands_can_be_typed(stage, tmp_path):
     stage.runs = tmp_path / "my runs"
     launcher = train(stage, "--run", "run", small=ENDLESS)
     launcher.expect_text("update    1/")
+    watch = next(line for line in launcher.lines if line.startswith("  watch "))
+    status = stage.start(*shlex.split(watch)[1:])
+    assert status.wait() == 0 and "run run " in status.text, status
     launcher.signal(signal.SIGINT)
     assert launcher.wait(50) == 128 + signal.SIGINT, launcher
     said = {line.split()[0]: shlex.split(line)[1:] for line in launcher.lines if line.startswith("  ")}
+    assert launcher.text.count("stopped") == 1, launcher
     assert said["curves"] == ["tensorboard", "--logdir", str(stage.runs / "run")]
     assert said["evaluate"][-1] == str(stage.latest("run")), launcher
     evaluated = stage.start(*said["evaluate"], "--episodes", 1)

@@ -64,6 +64,7 @@ def test_a_picture_has_the_size_asked_for_and_is_not_blank(checkpoint, tmp_path)
     assert content[:8] == b"\x89PNG\r\n\x1a\n"
     assert struct.unpack(">II", content[16:24]) == (400, 300)
     assert len(content) > 20_000  # a blank one is below 1000
+    assert done.stdout.endswith(f"\nwrote {picture}\n"), done
     assert [file.name for file in tmp_path.iterdir()] == ["picture.png"]
 
 

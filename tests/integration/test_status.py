@@ -24,7 +24,7 @@ def test_a_running_run_is_shown_with_its_actors_as_a_table_and_as_json(stage):
     assert shown["actors"][0]["name"].endswith(f":{actor.child.pid}")
     table = status(stage, "seen")
     assert table.wait() == 0, table
-    assert f":{actor.child.pid}" in table.text and "1 actors with 2 envs" in table.text
+    assert f":{actor.child.pid}" in table.text and "1 actor with 2 envs" in table.text
     learner.signal(signal.SIGINT)
     assert learner.wait() == 130
     assert follower.wait() == 0, follower
@@ -47,8 +47,27 @@ def test_following_ends_with_the_run(stage):
 def test_a_learner_that_is_not_there_ends_with_3_and_what_to_try(stage):
     nobody = status(stage, "nobody", "--wait", "0.5")
     assert nobody.wait() == 3, nobody
-    for words in ("nobody", f"domain {stage.domain}", "network loopback", "--network loopback"):
+    for words in ("nobody", f"domain {stage.domain}", "network loopback", "another machine"):
         assert words in nobody.text
+
+
+def test_an_actor_that_hears_no_learner_says_early_what_to_try(stage):
+    learner = stage.learner("near", small=ENDLESS)
+    learner.expect_event("started")
+    actor = stage.actor("near", "--network", "lan", "--learner-timeout", 6)
+    said = actor.expect_text("on that machine leave --network out")
+    assert "giving up" not in said and f"domain {stage.domain}, network lan" in said
+    assert actor.wait() == 3, actor
+    assert stage.actor("near", "--learner-timeout", 60).expect_text("joined run 'near'")
+
+
+def test_status_takes_the_name_as_an_option_too(stage):
+    learner = stage.learner("named", small=ENDLESS)
+    said = learner.expect_text("watch it with: metronome-learner status")
+    words = said.partition("watch it with: ")[2].split()[1:]
+    assert words == ["status", "--run", "named", "--domain", str(stage.domain)]
+    shown = stage.start(LEARNER, *words)
+    assert shown.wait() == 0 and "run named " in shown.text, shown
 
 
 def test_a_killed_learner_ends_following_with_3(stage):

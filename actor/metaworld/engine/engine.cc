@@ -17,8 +17,9 @@ void ThrowError(const char* message) { throw EngineError(std::string("MuJoCo: ")
 
 void LogWarning(const char* message) { spdlog::warn("MuJoCo: {}", message); }
 
-// The official environment overwrites what the XML compiled to (spec section 1): anchor and
-// relative position 0, relative quaternion (-1, 0, 0, 0), torque scale 5.
+// The official environment overwrites what the XML compiled to (metaworld 3.1.1,
+// sawyer_xyz_env.py, reset_mocap_welds): anchor and relative position 0, relative quaternion (-1,
+// 0, 0, 0), torque scale 5.
 void SetWelds(mjModel& model) {
   constexpr std::array<mjtNum, 11> kWeld = {0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 5};
   static_assert(kWeld.size() == mjNEQDATA);

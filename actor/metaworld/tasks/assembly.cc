@@ -2,7 +2,7 @@
 
 #include "actor/metaworld/sawyer.h"
 
-/// Put a wrench's ring over a peg. Reference spec sections 4 and 6.
+/// Put a wrench's ring over a peg. As metaworld 3.1.1 has it: envs/sawyer_assembly_peg_v3.py.
 namespace metronome::metaworld::tasks {
 namespace {
 

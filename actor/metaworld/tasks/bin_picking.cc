@@ -3,7 +3,8 @@
 
 #include "actor/metaworld/sawyer.h"
 
-/// Carry a cube from one bin to the other. Reference spec sections 4 and 6.
+/// Carry a cube from one bin to the other. As metaworld 3.1.1 has it:
+/// envs/sawyer_bin_picking_v3.py.
 namespace metronome::metaworld::tasks {
 namespace {
 

@@ -2,7 +2,7 @@
 
 #include "actor/metaworld/sawyer.h"
 
-/// Push a puck to a goal on the table. Reference spec sections 4 and 6.
+/// Push a puck to a goal on the table. As metaworld 3.1.1 has it: envs/sawyer_push_v3.py.
 namespace metronome::metaworld::tasks {
 namespace {
 

@@ -1,11 +1,8 @@
 #include "actor/client/actor_client.h"
 
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 
 #include <future>
-#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -13,6 +10,7 @@
 #include "common/policy/network.h"
 #include "tests/unit/support/environments.h"
 #include "tests/unit/support/fake_actor_bus.h"
+#include "tests/unit/support/log_capture.h"
 
 namespace metronome::client {
 namespace {
@@ -306,24 +304,8 @@ TEST_F(ActorClientTest, RemembersTheObeyedAndTheNewestOfManyLearners) {
   ASSERT_TRUE(WaitForStatusOf(1)) << "an older learner than the 16 is still remembered";
 }
 
-/// What is logged while it lives.
-class LogCapture {
- public:
-  LogCapture() : before_(spdlog::default_logger()) {
-    auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(text_);
-    spdlog::set_default_logger(std::make_shared<spdlog::logger>("captured", sink));
-  }
-  ~LogCapture() { spdlog::set_default_logger(before_); }
-  /// Only once nobody logs any more.
-  std::string text() const { return text_.str(); }
-
- private:
-  std::shared_ptr<spdlog::logger> before_;
-  std::ostringstream text_;
-};
-
 TEST_F(ActorClientTest, SaysWhatItWaitsForWhenNothingIsAssigned) {
-  const LogCapture log;
+  const test::LogCapture log;
   options_.status_every = std::chrono::milliseconds(5);
   options_.idle_notice_every = std::chrono::milliseconds(20);
   Start();
@@ -336,8 +318,7 @@ TEST_F(ActorClientTest, SaysWhatItWaitsForWhenNothingIsAssigned) {
   client_->Stop();
   EXPECT_EQ(End(), ActorEnd::kStopped);
   EXPECT_NE(log.text().find("has assigned nothing"), std::string::npos) << log.text();
-  EXPECT_NE(log.text().find("2 assigned episodes wait for their policy snapshot"),
-            std::string::npos)
+  EXPECT_NE(log.text().find("no policy snapshot yet for 2 assigned episodes"), std::string::npos)
       << log.text();
 }
 
@@ -346,6 +327,28 @@ TEST_F(ActorClientTest, GivesUpWithoutALearner) {
   options_.notice_every = std::chrono::milliseconds(5);
   Start();
   EXPECT_EQ(End(), ActorEnd::kNoLearner);
+}
+
+TEST_F(ActorClientTest, SaysOnceAndEarlyWhatToLookAtWhenNoLearnerIsHeard) {
+  const test::LogCapture log;
+  options_.why_no_learner = "look at the network";
+  options_.patience = std::chrono::milliseconds(100);
+  options_.notice_every = std::chrono::milliseconds(5);
+  Start();
+  EXPECT_EQ(End(), ActorEnd::kNoLearner);
+  const std::string text = log.text();
+  const auto first = text.find("look at the network");
+  EXPECT_LT(first, text.find("giving up")) << text;
+  EXPECT_EQ(text.find("look at the network", first + 1), std::string::npos) << text;
+}
+
+TEST_F(ActorClientTest, SaysWhatToLookAtWhereItGivesUpBeforeTheFirstNotice) {
+  const test::LogCapture log;
+  options_.why_no_learner = "look at the network";
+  options_.patience = std::chrono::milliseconds(1);
+  Start();
+  EXPECT_EQ(End(), ActorEnd::kNoLearner);
+  EXPECT_NE(log.text().find("giving up after 0 s: look at the network"), std::string::npos);
 }
 
 TEST_F(ActorClientTest, GivesUpWhenItsLearnerDoesNotComeBack) {

@@ -630,6 +630,38 @@ TEST_F(ConfigDraftTest, LaterSourcesOverrideEarlierOnes) {
   EXPECT_EQ(config.seed(), 7u);
 }
 
+TEST_F(ConfigDraftTest, LaterFilesOverrideEarlierOnes) {
+  const std::string later = path_ + ".later";
+  std::ofstream(later) << "policy { hidden: 4 }\nppo { clip: -1 }\ncollection { overlap: 1 }\n";
+  ConfigDraft draft;
+  draft.ReadFile(path_);
+  draft.ReadFile(later);
+  const std::string error = ErrorOf([&] { static_cast<void>(draft.Finish(test::Describe)); });
+  EXPECT_NE(error.find(later + ":2:7: ppo.clip is -1"), std::string::npos) << error;
+  draft.SetFromArgument("ppo.clip=0.25");
+  const RunConfig config = draft.Finish(test::Describe);
+  EXPECT_EQ(config.seed(), 5u);
+  EXPECT_EQ(config.ppo().learning_rate(), 1e-3);
+  EXPECT_EQ(config.ppo().clip(), 0.25);
+  EXPECT_EQ(config.collection().overlap(), 1);
+  ASSERT_EQ(config.policy().hidden_size(), 1);  // a list is replaced, not added to
+  EXPECT_EQ(config.policy().hidden(0), 4);
+  draft.ReadFile(path_);  // whichever comes last
+  EXPECT_EQ(draft.Finish(test::Describe).policy().hidden_size(), 2);
+  std::filesystem::remove(later);
+}
+
+TEST_F(ConfigDraftTest, FilesOfTwoAlgorithmsAreRefused) {
+  const std::string later = path_ + ".later";
+  std::ofstream(later) << "custom { name: \"x\" }\n";
+  ConfigDraft draft;
+  draft.ReadFile(path_);
+  EXPECT_EQ(
+      ErrorOf([&] { draft.ReadFile(later); }),
+      later + ":1:10: custom is set, and ppo at " + path_ + ":4:7: a run learns by one of the two");
+  std::filesystem::remove(later);
+}
+
 TEST_F(ConfigDraftTest, AListInAFileReplacesTheRunsOwn) {
   ConfigDraft draft(Resolve(Push()));
   draft.ReadFile(path_);

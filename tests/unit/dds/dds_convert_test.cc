@@ -265,6 +265,18 @@ TEST(BusOptionsTest, WaysThatDoNotGoTogetherAreNamedWithTheRemedy) {
   EXPECT_THAT(Objection("shm", "10.0.0.7", "10.0.0.8"), HasSubstr("give --network lan"));
 }
 
+TEST(BusOptionsTest, WhoHearsNoLearnerIsToldWhatToLookAt) {
+  using testing::HasSubstr;
+  BusOptions options;
+  options.domain = 3;
+  const std::string here = WhyNoLearner(options, "loopback");
+  EXPECT_THAT(here, HasSubstr("domain 3, network loopback. If the learner is on another machine"));
+  options.network = ParseNetwork("lan");
+  const std::string anywhere = WhyNoLearner(options, "lan");
+  EXPECT_THAT(anywhere, HasSubstr("network lan. A run that was started without --network"));
+  EXPECT_THAT(anywhere, HasSubstr("on that machine leave --network out"));
+}
+
 TEST(BusOptionsTest, TheTcpPortIsTheNumberOfDiscoverysUnlessGiven) {
   BusOptions options;
   options.transport = Transport::kTcp;

@@ -150,6 +150,31 @@ TEST_F(OptionsTest, FileYieldsToSetAndSetToOptions) {
   EXPECT_EQ(config.ppo().clip(), 0.1);
 }
 
+TEST_F(OptionsTest, FilesYieldToLaterOnesAndToSetAndToOptions) {
+  const std::string first = runs_ + "/first.cfg", second = runs_ + "/second.cfg";
+  std::ofstream(first) << "seed: 1\ntotal_steps: 1\nppo { clip: 0.1\n discount: 0.9 }\n";
+  std::ofstream(second) << "seed: 2\ntotal_steps: 2\nppo { clip: 0.2 }\n";
+  const std::vector<std::string> options = {"--config", first,    "--steps",  "3",
+                                            "--set",    "seed=3", "--config", second};
+  std::vector<std::string> print = {"config", "--task", "push"};
+  print.insert(print.end(), options.begin(), options.end());
+  for (const RunConfig& config :
+       {Run(options).config,
+        std::get<PrintConfigOptions>(std::get<LearnerCommand>(Parse(print))).config}) {
+    EXPECT_EQ(config.total_steps(), 3u);
+    EXPECT_EQ(config.seed(), 3u);
+    EXPECT_EQ(config.ppo().clip(), 0.2);
+    EXPECT_EQ(config.ppo().discount(), 0.9);
+  }
+}
+
+TEST_F(OptionsTest, AnOptionOfOneValueIsNotGivenTwice) {
+  ExpectUsageError(
+      ParseRun({"--heads", "3", "--heads", "4"}),
+      "metronome-learner run: --heads is given 2 times, and it has one value: \"3\" or "
+      "\"4\"?");
+}
+
 TEST_F(OptionsTest, UnknownNamesGetTheNearMissAndTheList) {
   ExpectUsageError(ParseRun({"--hedas", "3"}),
                    "unknown option \"--hedas\"; did you mean \"--heads\"?");
@@ -509,7 +534,10 @@ TEST_F(OptionsTest, StatusShowsARunOfAnyName) {
     ASSERT_TRUE(std::holds_alternative<LearnerCommand>(parsed)) << err_;
     EXPECT_EQ(std::get<StatusOptions>(std::get<LearnerCommand>(parsed)).run, name);
   }
-  ExpectUsageError(Parse({"status"}), "name the RUN to show");
+  const auto parsed = Parse({"status", "--run", "demo"});
+  ASSERT_TRUE(std::holds_alternative<LearnerCommand>(parsed)) << err_;
+  EXPECT_EQ(std::get<StatusOptions>(std::get<LearnerCommand>(parsed)).run, "demo");
+  ExpectUsageError(Parse({"status"}), "name the run to show: metronome-learner status NAME");
   ExpectUsageError(Parse({"status", "demo", "--domain", "233"}), "from 0 to 232");
   ExpectUsageError(Parse({"status", "demo", "--wait", "nan"}), "from 0 to 86400");
 }

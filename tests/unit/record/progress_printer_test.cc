@@ -17,6 +17,7 @@ RunFacts Facts() {
   facts.path = "runs/name";
   facts.incarnation = 2;
   facts.length = {8000, 10, false};
+  facts.episodes_per_update = 16;
   facts.network = "loopback";
   facts.transport = "udp";
   return facts;
@@ -68,6 +69,7 @@ TEST(ProgressPrinterTest, JsonEventsNameTheirKindAndWhatALauncherNeeds) {
   EXPECT_EQ(record.at("event"), "started");
   EXPECT_EQ(record.at("incarnation"), 2);
   EXPECT_EQ(record.at("domain"), 0);
+  EXPECT_EQ(record.at("episodes_per_update"), 16);
   EXPECT_EQ(record.at("transport"), "udp");
   std::getline(in, line);
   record = nlohmann::json::parse(line);
@@ -92,7 +94,11 @@ TEST(ProgressPrinterTest, LinesAreForPeopleAndNoneIsSilent) {
   std::ostringstream lines;
   ProgressPrinter(ProgressStyle::kLines, Facts(), To(lines)).Updated(Report(), Wall());
   EXPECT_NE(lines.str().find("4/10"), std::string::npos) << lines.str();
-  EXPECT_NE(lines.str().find("0:00:12 left"), std::string::npos) << lines.str();
+  EXPECT_NE(lines.str().find("3 actors  0:00:12 left"), std::string::npos) << lines.str();
+  WallReport alone = Wall();
+  alone.actors = 1;
+  ProgressPrinter(ProgressStyle::kLines, Facts(), To(lines)).Updated(Report(), alone);
+  EXPECT_NE(lines.str().find("1 actor  0:00:12 left"), std::string::npos) << lines.str();
   std::ostringstream none;
   ProgressPrinter printer(ProgressStyle::kNone, Facts(), To(none));
   printer.Started(0, 0);

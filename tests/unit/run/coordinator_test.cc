@@ -7,6 +7,7 @@
 
 #include "common/process/exit_codes.h"
 #include "tests/unit/support/fake_run.h"
+#include "tests/unit/support/log_capture.h"
 
 namespace metronome::run {
 namespace {
@@ -47,6 +48,21 @@ TEST(CoordinatorTest, ARunLearnsFromEachNumberOnceInOrderAndEndsWithItsAccounts)
             "0, rejected 0)");
   EXPECT_TRUE(run.bus.descriptions.back().finished);
   EXPECT_LT(run.bus.waits, 200) << "it polls";
+}
+
+TEST(CoordinatorTest, MoreEnvsThanHalfOfTheEpisodesAreOneWarning) {
+  const std::string warning = "envs beyond half of that are often idle";
+  for (const std::uint32_t envs : {1U, 2U}) {
+    const test::LogCapture log;
+    FakeRun run;  // of 4 episodes an update
+    for (std::uint64_t id = 1; id <= 2; ++id) run.AddActor(id, envs);
+    EXPECT_EQ(run.Run(), process::kExitFinished);
+    const std::string text = log.text();
+    const auto first = text.find(warning);
+    EXPECT_EQ(Contains(text, "4 envs for 4 episodes an update: " + warning), envs == 2) << text;
+    EXPECT_EQ(Contains(text, "--set collection.episodes_per_update=8"), envs == 2) << text;
+    EXPECT_EQ(text.rfind(warning), first) << text;
+  }
 }
 
 TEST(CoordinatorTest, WhoeverWatchesIsToldOnceASecondAndAtTheEnd) {
