@@ -139,7 +139,7 @@ def _parser():
         type=Path,
         metavar="DIR",
         help="only identities of the run's own authority take part, all is encrypted; DIR is made, "
-        "or added to, by deploy/security",
+        f"or added to, by {place.called('security')}",
     )
     parser.add_argument(
         "--runs",
