@@ -90,7 +90,7 @@ TEST_F(ProgressLogTest, HasOneHeaderAndTheColumnsThatOthersReadByName) {
                                              "wall_bytes_received",
                                              "wall_actors",
                                              "wall_envs",
-                                             "wall_orders_repeated"};
+                                             "wall_episodes_reassigned"};
   EXPECT_EQ(table[0], expected);
 }
 
