@@ -115,6 +115,7 @@ void AddRun(CLI::App& app, Typed& typed) {
       ->transform(text::Number<double>(0, 1e9));
   run->add_option("--log-level,--log", typed.run.log.level,
                   "Least severe level to log, to standard error")
+      ->type_name("LEVEL")
       ->check(OneOf("level", process::LogLevels()))
       ->capture_default_str();
   run->add_option("--log-format", typed.run.log.format,

@@ -45,7 +45,7 @@ def table_of(rows):
     """Markdown. How many cores this machine has is not part of the page."""
     lines = ["| option | meaning |", "| --- | --- |"]
     for option, meaning in rows:
-        meaning = re.sub(r"(cores that may be used), \d+", r"\1", meaning).replace("|", r"\|").replace("<", "&lt;")
+        meaning = re.sub(r", here \d+", "", meaning).replace("|", r"\|").replace("<", "&lt;")
         lines.append(f"| `{option}` | {meaning} |")
     return "\n".join(lines)
 
