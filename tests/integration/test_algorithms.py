@@ -28,6 +28,7 @@ def test_learner_and_actors_carry_it_to_the_same_bits_whoever_plays(crossed):
     assert float(rows[-1]["best_return"]) >= float(rows[-1]["return"]) > 0
 
 
+@pytest.mark.slow
 def test_a_learner_killed_and_resumed_changes_nothing(crossed):
     whole = crossed.train("whole", *CUSTOM, small=LONG)
     learner, actor = crossed.learner("run", *CUSTOM, small=LONG), crossed.actor("run")

@@ -63,6 +63,7 @@ def is_sent_away(liar, address):
     return f"host {address} (" in liar.text and "computes wrongly" in liar.text
 
 
+@pytest.mark.slow
 def test_an_audited_run_has_the_same_weights_and_says_what_was_compared(stage, site, expected):
     learner = site.learner("--audit", "1")
     team = [site.actor("one"), site.actor("two")]
@@ -71,6 +72,7 @@ def test_an_audited_run_has_the_same_weights_and_says_what_was_compared(stage, s
     assert "excluded hosts: none" in learner.text
 
 
+@pytest.mark.slow
 def test_a_host_that_computes_wrongly_is_named_and_excluded(stage, site, hosts, expected):
     learner = site.learner("--audit", "1")
     liar = site.liar("somebody")
@@ -83,6 +85,7 @@ def test_a_host_that_computes_wrongly_is_named_and_excluded(stage, site, hosts, 
 
 
 # By name they would be two hosts that agree, against one.
+@pytest.mark.slow
 def test_a_machine_with_two_invented_names_does_not_outvote_an_honest_host(
     stage, site, hosts, expected
 ):
@@ -102,6 +105,7 @@ def test_a_machine_with_two_invented_names_does_not_outvote_an_honest_host(
     ]
 
 
+@pytest.mark.slow
 def test_an_excluded_host_stays_so_when_the_learner_starts_again(stage, site, hosts):
     learner = site.learner("--audit", "1", small=ENDLESS)
     liar = site.liar("somebody")
@@ -116,6 +120,7 @@ def test_an_excluded_host_stays_so_when_the_learner_starts_again(stage, site, ho
         process.kill()
 
 
+@pytest.mark.slow
 def test_without_an_audit_the_same_lie_changes_the_weights(stage, site, expected):
     learner, liar = site.learner(), site.liar("somebody")
     assert learner.wait() == 0, learner

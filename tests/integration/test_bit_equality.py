@@ -56,6 +56,7 @@ def test_an_actor_started_before_the_learner_joins_it(stage, expected):
     assert stage.finish("run", learner, [actor]) == expected
 
 
+@pytest.mark.slow
 def test_an_actor_that_joins_late_changes_nothing(stage, expected_long):
     learner, first = stage.learner("run", small=LONG), stage.actor("run")
     learner.expect_update(2)
@@ -67,6 +68,7 @@ def test_an_actor_that_joins_late_changes_nothing(stage, expected_long):
     assert stage.inspect(stage.latest("run"))["weights_sha256"] == expected_long
 
 
+@pytest.mark.slow
 def test_an_actor_killed_and_another_joining_change_nothing(stage, expected_long):
     learner, victim = stage.learner("run", small=LONG), stage.actor("run", "--envs", "2")
     learner.expect_update(2)
@@ -75,6 +77,7 @@ def test_an_actor_killed_and_another_joining_change_nothing(stage, expected_long
     assert stage.finish("run", learner, [stage.actor("run")], LONG_UPDATES) == expected_long
 
 
+@pytest.mark.slow
 def test_a_learner_killed_and_resumed_changes_nothing(stage, expected_long):
     learner, actor = stage.learner("run", small=LONG), stage.actor("run")
     learner.expect_update(3)
@@ -85,11 +88,13 @@ def test_a_learner_killed_and_resumed_changes_nothing(stage, expected_long):
     assert stage.finish("run", resumed, [actor], LONG_UPDATES) == expected_long
 
 
+@pytest.mark.slow
 def test_overlapping_runs_agree_among_themselves(stage, expected_long, expected_overlapping):
     assert expected_overlapping != expected_long
     assert stage.train("run", *OVERLAP, actors=3, small=LONG) == expected_overlapping
 
 
+@pytest.mark.slow
 def test_an_overlapping_learner_killed_and_resumed_changes_nothing(stage, expected_overlapping):
     learner, actor = stage.learner("run", *OVERLAP, small=LONG), stage.actor("run")
     learner.expect_update(3)
@@ -99,6 +104,7 @@ def test_an_overlapping_learner_killed_and_resumed_changes_nothing(stage, expect
 
 
 @pytest.mark.parametrize("method", ["ppo", "ppo-time"])
+@pytest.mark.slow
 def test_one_head_methods_agree_too(stage, method):
     alone = stage.train("one", "--method", method)
     assert stage.train("two", "--method", method, actors=2) == alone
@@ -124,6 +130,7 @@ def test_one_head_methods_agree_too(stage, method):
     ],
     ids=lambda arm: " ".join(arm),
 )
+@pytest.mark.slow
 def test_two_actors_give_the_weights_of_one_in_every_arm(stage, expected, arm):
     options = [word for setting in arm for word in ("--set", setting)]
     alone = stage.train("one", *options)
@@ -131,6 +138,7 @@ def test_two_actors_give_the_weights_of_one_in_every_arm(stage, expected, arm):
     assert stage.train("two", *options, actors=2) == alone
 
 
+@pytest.mark.slow
 def test_a_shuffled_learner_killed_and_resumed_changes_nothing(stage):
     shuffled = ("--set", "policy.schedule=shuffled")
     alone = stage.train("alone", *shuffled, small=LONG)

@@ -12,6 +12,7 @@ from harness import ROOT
 
 @pytest.mark.skipif(not Path("/dev/net/tun").exists(), reason="no TUN devices here")
 @pytest.mark.skipif(namespaces.unavailable() is not None, reason=str(namespaces.unavailable()))
+@pytest.mark.slow
 def test_a_run_under_faults_ends_with_the_weights_of_a_calm_one(tmp_path):
     done = subprocess.run(
         [sys.executable, "-B", ROOT / "tests" / "chaos", "--seeds", "1", "--logs", tmp_path],

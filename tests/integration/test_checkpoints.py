@@ -56,6 +56,7 @@ def goes_on_to_the_end(stage, actor, undisturbed):
     return learner
 
 
+@pytest.mark.slow
 def test_damaged_checkpoints_are_passed_over_and_put_aside(stage, undisturbed):
     actor = cut_down(stage)
     newest, before, good = checkpoints(stage)[:3]
@@ -67,6 +68,7 @@ def test_damaged_checkpoints_are_passed_over_and_put_aside(stage, undisturbed):
     assert newest.with_name(newest.name + ".damaged").exists()
 
 
+@pytest.mark.slow
 def test_a_lost_configuration_and_a_lost_newest_checkpoint_cost_nothing(stage, undisturbed):
     actor = cut_down(stage)
     config = stage.runs / "run" / "config.textproto"
@@ -90,6 +92,7 @@ def test_without_a_whole_checkpoint_it_names_each_and_the_way_out(stage):
     assert checkpoints(stage) == damaged, "nothing was moved"
 
 
+@pytest.mark.slow
 def test_services_and_people_are_told_and_go_on(stage, monkeypatch):
     """deploy/learner where the configuration is lost, deploy/train where a checkpoint is."""
     cut_down(stage).kill()
@@ -116,6 +119,7 @@ def test_reading_a_latest_that_leads_nowhere_names_the_others(stage):
         assert newest.name in reader.text and f"there are {before.name}" in reader.text, reader
 
 
+@pytest.mark.slow
 def test_a_folder_of_runs_whose_name_is_no_text_serves_all_the_same(stage):
     runs = stage.runs.parent / os.fsdecode(b"runs \xff")
     words = ("--runs", runs, "--domain", stage.domain, "--progress", "none")

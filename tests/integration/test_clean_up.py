@@ -3,6 +3,8 @@
 import signal
 from pathlib import Path
 
+import pytest
+
 from harness import LONG, LONG_UPDATES
 
 MEMORY = Path("/dev/shm")
@@ -20,6 +22,7 @@ def test_nothing_is_left_of_a_run_that_ends(stage):
     assert files() <= before
 
 
+@pytest.mark.slow
 def test_what_killed_processes_of_a_run_left_is_removed_when_the_run_goes_on(stage):
     before = files()
     learner, actor = stage.learner("run", *SHM, small=LONG), stage.actor("run", *SHM)

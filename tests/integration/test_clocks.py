@@ -51,6 +51,7 @@ def test_the_time_of_day_does_jump(tmp_path):
 
 
 @pytest.mark.parametrize("whose", ["learner", "actor"])
+@pytest.mark.slow
 def test_a_clock_that_jumps_changes_nothing_and_delays_nothing(stage, tmp_path, expected, whose):
     clock = Clock(tmp_path / "clock")
     hosts = {whose: clock}

@@ -78,6 +78,7 @@ def returns_of(episodes):
     return {version: sum(rewards) / len(rewards) for version, rewards in batches.items()}
 
 
+@pytest.mark.slow
 def test_cyclone_dds_sees_every_episode_once_and_every_float_and_the_run_does_not_notice(stage, tap):
     reader = tap("tapped")
     actor = stage.actor("tapped")  # before the learner, so that it plays nothing unseen
@@ -109,6 +110,7 @@ def test_cyclone_dds_sees_every_episode_once_and_every_float_and_the_run_does_no
     assert stage.train("untapped") == weights
 
 
+@pytest.mark.slow
 def test_who_comes_late_gets_the_last_weights_and_what_is_played_from_then_on(stage, tap):
     learner = stage.learner("late", small=ENDLESS)
     actors = [stage.actor("late") for _ in range(2)]

@@ -36,6 +36,7 @@ def test_a_learner_on_a_network_says_that_loopback_is_down(stage, network):
 
 
 @pytest.mark.parametrize("direction", ["to", "from", "both"])
+@pytest.mark.slow
 def test_an_actor_cut_off_in_any_direction_plays_on_when_the_link_is_back(
     stage, network, direction
 ):

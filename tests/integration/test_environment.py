@@ -62,6 +62,7 @@ def state_of(play, run):
     return play.stage.inspect(play.stage.latest(run))
 
 
+@pytest.mark.slow
 def test_it_is_learnt_to_nine_tenths_of_what_is_possible(one):
     rows = one.rows("one")
     report = one.evaluate(one.stage.latest("one"))
@@ -84,6 +85,7 @@ def test_steps_are_those_taken_and_the_run_ends_with_the_update_that_reaches_its
 
 
 @pytest.mark.parametrize("actors", [2, 3])
+@pytest.mark.slow
 def test_more_actors_one_of_them_killed_give_the_same_bits(stage, programs, one, actors):
     play = Play(stage, programs)
     learner = play.learner("run")
@@ -97,6 +99,7 @@ def test_more_actors_one_of_them_killed_give_the_same_bits(stage, programs, one,
     assert play.rows("run") == one.rows("one")
 
 
+@pytest.mark.slow
 def test_a_killed_learner_goes_on_to_the_same_bits(stage, programs, one):
     play = Play(stage, programs)
     learner, actor = play.learner("run"), play.actor("run")
@@ -124,6 +127,7 @@ def test_an_actor_without_the_environment_says_so(stage, programs):
     learner.kill()
 
 
+@pytest.mark.slow
 def test_what_is_not_in_mujoco_cannot_be_drawn(one):
     render = one.stage.start(one.programs / "metronome-actor", "render", "--checkpoint", one.stage.latest("one"),
                              "--csv", one.stage.runs / "path.csv")

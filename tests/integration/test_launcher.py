@@ -64,6 +64,7 @@ def test_python_settings_of_others_do_not_matter(stage, tmp_path, name):
     assert stage.start(*command).wait(60) == 0
 
 
+@pytest.mark.slow
 def test_the_default_name_is_new_each_time(stage):
     for _ in range(2):
         launcher = train(stage)
@@ -78,6 +79,7 @@ def test_an_existing_run_needs_resume(stage):
     assert "--resume" in launcher.text, launcher
 
 
+@pytest.mark.slow
 def test_resuming_what_is_finished_starts_no_actor(stage):
     launcher = train(stage, "--run", "run")
     assert launcher.wait() == 0, launcher
@@ -202,6 +204,7 @@ def test_a_name_that_is_too_long_is_named(stage, option):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.slow
 def test_stopping_leaves_a_checkpoint_and_no_orphans_and_resume_goes_on(stage, number):
     launcher = train(stage, "--run", "run", small=LONG)
     launcher.expect_text("update    1/")

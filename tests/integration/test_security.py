@@ -93,6 +93,7 @@ def test_credentials_whose_making_was_stopped_are_gone_on_with(tmp_path, monkeyp
 
 
 @pytest.mark.parametrize("transport", ["udp", "shm"])
+@pytest.mark.slow
 def test_a_secured_run_ends_with_the_weights_of_an_unsecured_one(
     stage, identities, expected, transport
 ):
@@ -113,6 +114,7 @@ def test_an_observer_sees_a_secured_run_by_its_identity_alone(stage, tmp_path):
     assert blind.wait() == NO_LEARNER, blind
 
 
+@pytest.mark.slow
 def test_resuming_needs_no_word_of_security_to_be_secured(stage, identities):
     expected = stage.train("calm", small=LONG)
     learner = stage.learner("run", *secured(identities / "learner"), small=LONG)
@@ -126,6 +128,7 @@ def test_resuming_needs_no_word_of_security_to_be_secured(stage, identities):
     assert stranger.wait() == NO_LEARNER, stranger
 
 
+@pytest.mark.slow
 def test_outsiders_get_nothing_and_change_nothing(stage, identities, tmp_path, expected):
     foreign, strange = (
         make(tmp_path / name, "run", stage.domain) for name in ("foreign", "strange")
