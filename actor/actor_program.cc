@@ -65,7 +65,7 @@ int StatusOf(client::ActorEnd end, int signal) {
   return process::kExitFailure;
 }
 
-/// Whom a signal stops, while there is someone.
+/// The client that a signal stops, while there is one.
 class StopTarget {
  public:
   void Set(client::ActorClient* client) {

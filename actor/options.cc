@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kProgram = "metronome-actor";
 
-/// What is typed before it is judged.
+/// The options as typed, before they are judged.
 struct Typed {
   JoinOptions run;
   std::string transport = "udp";
@@ -205,7 +205,7 @@ void AddEvaluate(CLI::App& app, const TaskOption& task, Typed& typed) {
       ->capture_default_str();
   evaluate->add_flag("--json", options.json, "Print one JSON object");
   evaluate->footer(
-      "What is otherwise than in training (task, placements, who acts when, engine, build) is a "
+      "Each difference from training (task, placements, who acts when, engine, build) is a "
       "warning, and in JSON the list `differences`.\n"
       "Exit status: 0; 1 where checkpoint or scenes cannot be used, 2 bad options, 128 + N stopped "
       "by signal N.");
@@ -250,7 +250,7 @@ void AddRender(CLI::App& app, const TaskOption& task, Typed& typed) {
       ->transform(text::Number<double>(0.01, 100))
       ->capture_default_str();
   render->footer(
-      "What is otherwise than in training is a warning, as evaluate's. Files are whole or not "
+      "Each difference from training is a warning, as evaluate's. Files are whole or not "
       "there.\n"
       "Exit status: 0; 1 where checkpoint, scene, OpenGL, ffmpeg or the files cannot be used, "
       "2 bad options, 128 + N stopped by signal N.");

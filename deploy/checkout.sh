@@ -1,4 +1,4 @@
-# What prepares this checkout writes into it, one at a time. Sourced; the current folder is the checkout, and the caller
+# For programs that prepare this checkout: they write into it one at a time. Sourced; the current folder is the checkout, and the caller
 # defines say and die MESSAGE.
 # shellcheck shell=bash
 

@@ -22,7 +22,7 @@ COLUMNS = ("order", "success", "success_end", "return", "time_to_success",
 
 
 class Refused(Exception):
-    """What was asked for cannot be done; the message says why and what to do."""
+    """A request that cannot be done; the message says why and what to do."""
 
 
 def parse_arguments():
@@ -45,7 +45,7 @@ def parse_arguments():
 
 
 def orders(heads):
-    """Who acts in each block: as trained, then each exchange of one block's head, then each head alone. Of two
+    """The head in each block: as trained, then each exchange of one block's head, then each head alone. Of two
     heads the exchanges are one head alone already."""
     own = tuple(range(heads))
     exchanged = [(*own[:block], head, *own[block + 1:]) for block in own for head in own]

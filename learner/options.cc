@@ -33,7 +33,7 @@ struct FieldOption {
 
 constexpr FieldOption kFieldOptions[] = {
     {"--task", "environment.task", "T",
-     "What to learn; `metronome-actor environment` lists what there is"},
+     "The task to learn; `metronome-actor environment` lists all"},
     {"--method", "policy.method", "M",
      "multihead (k heads, time picks one), single (one head), single-time (one head that sees the "
      "time); ppo and ppo-time are other names of the latter two"},
@@ -73,7 +73,7 @@ constexpr FieldOption kFieldOptions[] = {
     {"--checkpoint-every", "runtime.checkpoint_every", "N", "Updates between checkpoints"},
 };
 
-/// What the shared options of `run` and `config` were given.
+/// The values of the options that `run` and `config` share.
 struct ConfigArguments {
   std::map<std::string, std::string> fields;  // option name -> text
   std::vector<std::string> settings;          // of --set

@@ -20,7 +20,8 @@
 namespace metronome::learner {
 namespace {
 
-/// What was printed is the result. @throws std::runtime_error if it is lost (a full disk, say).
+/// Flushes the result on standard output. @throws std::runtime_error if it is lost (a full disk,
+/// say).
 void RequireWritten() {
   if (!std::cout.flush()) throw std::runtime_error("cannot write to standard output");
 }

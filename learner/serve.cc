@@ -34,7 +34,7 @@
 namespace metronome::learner {
 namespace {
 
-/// Whom a signal stops, while there is someone. Thread-safe.
+/// The coordinator that a signal stops, while there is one. Thread-safe.
 class StopTarget {
  public:
   void Set(run::Coordinator* coordinator) {
@@ -95,7 +95,7 @@ std::uint64_t MostUpdates(const RunConfig& config) {
                    static_cast<std::uint64_t>(config.collection().episodes_per_update()));
 }
 
-/// What actors give for --network. Over TCP it is what the learner is given; peers that are found
+/// The value of --network for actors. Over TCP it is the learner's; peers that are found
 /// by UDP are the actors' addresses here, and the learner's there.
 std::string NetworkOfActors(const RuntimeConfig& runtime) {
   const bool names_peers = runtime.network() != "loopback" && runtime.network() != "lan";

@@ -26,7 +26,7 @@ struct ActorClientOptions {
   std::chrono::milliseconds notice_every = std::chrono::seconds(3);  // while there is no learner
   std::chrono::milliseconds idle_notice_every = std::chrono::seconds(10);  // without an assignment
   std::chrono::milliseconds status_every = std::chrono::seconds(1);
-  // Who this is, for the learner.
+  // This actor's identity, for the learner.
   std::uint64_t actor_id = 0;
   std::string host;
   std::uint32_t pid = 0;

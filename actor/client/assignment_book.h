@@ -36,7 +36,7 @@ class AssignmentBook {
   /// @return false if the book is full; the assignment is dropped and will be given again.
   bool Add(const EpisodeAssignment& assignment);
 
-  /// What can be played, in the order it came in; each once.
+  /// Episodes that can be played, as they came in; each once.
   std::vector<EpisodeTask> TakeReady();
   /// Numbers that wait for their snapshot or their learner.
   [[nodiscard]] std::size_t held() const { return held_numbers_; }

@@ -25,7 +25,7 @@ class EpisodePlayer {
                                       const std::atomic<bool>& cancel) = 0;
 };
 
-/// What an actor makes when it joins a run.
+/// An actor's preparation for a run, made when it joins.
 struct RunSetup {
   std::string canonical_digest;                         // see ActorStatus
   std::vector<std::unique_ptr<EpisodePlayer>> players;  // one an env

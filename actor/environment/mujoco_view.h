@@ -6,7 +6,7 @@
 
 namespace metronome::environment {
 
-/// What a picture's path follows. The positions are in metres.
+/// The points that a picture's path follows, in metres.
 struct Landmarks {
   std::array<double, 3> hand{};
   std::array<double, 3> object{};

@@ -51,7 +51,7 @@ double LongTail(double x, double low, double high, double margin);
 /// arguments in [0, 1].
 Scalar Hamacher(Scalar a, Scalar b);
 
-/// What a caging reward reads of the scene. Metres.
+/// The inputs of a caging reward from the scene, in metres.
 struct CagingState {
   double left_pad_y, right_pad_y;
   Eigen::Vector3d tcp, object;            // now

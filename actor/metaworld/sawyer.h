@@ -16,7 +16,7 @@ namespace metronome::metaworld {
 
 inline constexpr int kFrameSize = 18;  // hand 3, gripper 1, object 3 + 4, a second object's 7 zeros
 
-/// What makes a task's robot: everything else about it is the same in all scenes.
+/// A task's robot; everything else about it is the same in all scenes.
 struct HandSettings {
   Eigen::Vector3d initial;    // where the mocap body waits during the hand initialisation, metres
   Eigen::Vector3d low, high;  // box that the mocap body is kept in, metres

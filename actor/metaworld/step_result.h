@@ -16,7 +16,7 @@ using Observation = std::array<double, kObservationSize>;
 using Action = std::array<float, kActionSize>;
 using RandVec = std::array<double, 6>;  // placement: object xyz, goal xyz, metres
 
-/// What the official environment's `info` says of a step.
+/// The official environment's `info` of a step.
 struct StepInfo {
   bool success = false;
   double near_object = 0;

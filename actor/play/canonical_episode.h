@@ -6,7 +6,7 @@
 
 namespace metronome::play {
 
-/// What two hosts must agree on bit for bit to play the same episodes, as two hex SHA-256 one after
+/// The digest that two hosts must agree on to play the same episodes: two hex SHA-256 one after
 /// the other:
 /// - of the environment: 100 steps of `task` at a fixed start (the next one where it ends) under
 /// fixed pseudo-random actions

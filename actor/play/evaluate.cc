@@ -107,7 +107,7 @@ void WarnOfRepeats(const EvaluateOptions& options, const RunConfig& config,
       << asked << " are the same again: the interval is too narrow\n";
 }
 
-/// What was done, and how.
+/// An evaluation's circumstances, for its report.
 struct Report {
   const checkpoint::Checkpoint& checkpoint;
   const EvaluateOptions& options;

@@ -75,8 +75,9 @@ std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
                                               const RunConfig& config,
                                               const environment::EnvironmentRegistry& registry);
 
-/// Who acts when in evaluation episode `index`: the policy's own schedule, in the evaluation's own
-/// streams, or `options.head_order`. @throws std::invalid_argument if the policy has no such order.
+/// The head for each step of evaluation episode `index`: the policy's own schedule, in the
+/// evaluation's own streams, or `options.head_order`. @throws std::invalid_argument if the policy
+/// has no such order.
 policy::HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
                                         std::uint64_t index);
 
@@ -93,7 +94,7 @@ EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot
                                    const StepWatcher& watch = {});
 
 /// `metronome-actor evaluate`: success rate with its confidence interval and mean return of a
-/// checkpoint's policy. What is otherwise than in training is a warning on `err`, and `differences`
+/// checkpoint's policy. Each difference from training is a warning on `err`, and `differences`
 /// in JSON.
 /// @return exit status: 0; 1 where the checkpoint or the scenes cannot be used, 2 for bad options.
 int RunEvaluate(const EvaluateOptions& options, const environment::EnvironmentRegistry& registry,

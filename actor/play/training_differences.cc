@@ -14,7 +14,7 @@ namespace {
 
 using Sentences = std::vector<std::string>;
 
-/// What gives the placements of training.
+/// The options that give the placements of training.
 std::string PlacementOptions(const RunConfig& trained) {
   const EnvironmentConfig& environment = trained.environment();
   std::string words =
@@ -37,7 +37,7 @@ void AddEnvironment(const RunConfig& trained, const RunConfig& played, Sentences
       played.environment(), [&](const std::string& name, const auto& owner, const auto& field) {
         const std::string& was = before.at(index++);
         const std::string is = config::FieldText(owner, field);
-        // What belongs to a task goes without saying.
+        // A task's own numbers go without saying.
         if (was == is || name.starts_with("spec.")) return;
         std::string sentence =
             "trained with " + name + " " + was + ", evaluated with " + name + " " + is;

@@ -9,7 +9,7 @@
 
 namespace metronome::render {
 
-/// What --camera may name in a scene: "free" first, then the scene's own cameras.
+/// Names for --camera in a scene: "free" first, then the scene's own cameras.
 std::vector<std::string> CameraNames(const mjModel& model);
 
 /// @param name  "free": as `free` says; else a camera of the scene.

@@ -26,7 +26,7 @@ void HideSites(mjModel& model) {
   }
 }
 
-/// What hangs on the robot's base and moves.
+/// Fades the parts that hang on the robot's base and move.
 void FadeArm(mjModel& model, double opacity) {
   const int hand = mj_name2id(&model, mjOBJ_BODY, "hand");
   for (int geom = 0; hand >= 0 && geom < model.ngeom; ++geom) {

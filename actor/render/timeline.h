@@ -18,7 +18,7 @@ struct HeadTurn {
   std::int32_t end = 0;    // steps taken when the next one does
 };
 
-/// Who acts when, in order of time.
+/// The heads' turns, in order of time.
 std::vector<HeadTurn> HeadTurns(const EpisodePath& path);
 
 /// Pixels that a timeline needs at the foot of an image.

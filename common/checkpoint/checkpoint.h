@@ -17,7 +17,7 @@
 /// the 20 bytes before it and of the payload | payload (common/schema/checkpoint.proto).
 namespace metronome::checkpoint {
 
-/// What is written. Grows whenever an older build would misread the payload; it refuses a newer
+/// Format written. Grows whenever an older build would misread the payload; it refuses a newer
 /// format by name. The frame stays.
 /// 2: the configuration names the heads' schedule and the critic's heads (1: blocks, separate).
 /// 3: and the correlation of exploration noise (before: 0).
@@ -27,7 +27,7 @@ namespace metronome::checkpoint {
 ///    the policy by itself, and the algorithm's state as bytes of a format of its own (before:
 ///    PPO's state alone, in the open).
 inline constexpr std::uint32_t kCheckpointFormat = 6;
-/// What is read: from here to kCheckpointFormat.
+/// The oldest format that is read; the newest is kCheckpointFormat.
 inline constexpr std::uint32_t kOldestCheckpointFormat = 1;
 
 /// How far the run's logs had come (learner/record/progress_log.h): resuming cuts them back to

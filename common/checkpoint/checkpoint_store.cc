@@ -89,7 +89,8 @@ Checkpoint ReadCheckpoint(const fs::path& path, const config::SpecSource& source
   return DecodeCheckpoint(bytes, path.string(), source);
 }
 
-/// What may be gone on from, best first. @param latest  FOLDER/latest; not among `files`.
+/// The files that a run may go on from, best first. @param latest  FOLDER/latest; not among
+/// `files`.
 std::vector<fs::path> Candidates(const fs::path& latest, const Files& files) {
   std::error_code error;
   const auto there = fs::symlink_status(latest, error);

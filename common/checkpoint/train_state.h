@@ -15,7 +15,7 @@ struct RunCounters {
   bool operator==(const RunCounters&) const = default;
 };
 
-/// What the algorithm needs to go on, in an encoding of its own that nobody else looks into.
+/// The algorithm's own state, in an encoding that nobody else looks into.
 struct AlgorithmState {
   std::string name;          // the algorithm's, as configurations name it: "ppo"
   std::uint32_t format = 0;  // of `bytes`: the algorithm's own number

@@ -22,8 +22,8 @@ class ConfigError : public std::invalid_argument {
 /// Names of a message's fields, in declaration order.
 std::vector<std::string> FieldNames(const google::protobuf::Descriptor& message);
 
-/// What people type for an enum: "ppo-time" for PPO_TIME; a prefix that repeats the enum's own name
-/// is left out ("random" for PLACEMENTS_RANDOM).
+/// The words for an enum's values: "ppo-time" for PPO_TIME; a prefix that repeats the enum's own
+/// name is left out ("random" for PLACEMENTS_RANDOM).
 std::vector<std::string> EnumWords(const google::protobuf::EnumDescriptor& type);
 
 /// Called with the dotted path of a leaf, the message that owns it and its field.

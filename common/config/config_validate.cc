@@ -20,7 +20,7 @@ constexpr double kMostTotal = 9007199254740991;         // 2^53 - 1: exact in ev
 constexpr std::size_t kMostPolicyParameters = 4000000;  // kMaxParameters of idl/metronome.idl
 constexpr std::uint64_t kMostMt1Seed = 4294967295;      // the official generator takes 32 bits
 
-/// What one numeric field may be, by itself; never anything that is not finite.
+/// The range of one numeric field by itself. A value that is not finite is in none.
 struct Range {
   double low = 0;
   double high = kUnbounded;

@@ -16,7 +16,7 @@ class ActorFilter final : public fdds::IContentFilter {
  public:
   explicit ActorFilter(std::uint64_t actor_id) : actor_id_(actor_id) {}
 
-  /// What does not say whom it is for passes: the actor reports it.
+  /// A sample that names no actor passes: the actor reports it.
   bool evaluate(const SerializedPayload& payload, const FilterSampleInfo& /*info*/,
                 const GUID_t& /*reader*/) const override {
     std::uint64_t id = 0;

@@ -64,7 +64,7 @@ void CheckEpisodeSizes(const Episode& episode) {
   CheckExactly(episode.flags.size(), steps, "flags");
 }
 
-// What a field of a status is on the wire, there and back.
+// A field of a status to the wire and back.
 
 template <class T>
 void CopyField(const T& field, const char*, T* out) {

@@ -90,7 +90,7 @@ class Writer {
   fdds::DataWriter* const writer_;
 };
 
-/// What a writer's sample turned into: a message, or why there is none.
+/// A writer's sample as a message, or why it is none.
 template <class Message>
 struct Taken {
   std::variant<Message, BadSample> content;
@@ -137,7 +137,7 @@ class Reader {
     } while (true);
   }
 
-  /// What to say of a writer that was turned away for its quality of service.
+  /// The complaint about a writer that was turned away for its quality of service.
   [[nodiscard]] BadSample Incompatible() const {
     return {profile_.name,
             "a peer offers another quality of service and is not heard: is it built from other "

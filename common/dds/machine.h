@@ -2,7 +2,7 @@
 
 #include "common/messages/bus_options.h"
 
-/// What a participant needs of this machine.
+/// The needs of a participant: loopback, shared memory, a network.
 namespace metronome::dds {
 
 /// To be called before anything of a run is made, so that none is started half; the bus asks again

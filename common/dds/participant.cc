@@ -38,7 +38,7 @@ void Check(const eprosima::fastrtps::types::ReturnCode_t& code, const std::strin
   }
 }
 
-/// What Fast DDS has to say is part of our log; by default it goes to standard output, which
+/// Writes Fast DDS' own messages to our log. By default they go to standard output, which
 /// belongs to results.
 class LogForwarder final : public fdds::LogConsumer {
  public:

@@ -33,7 +33,7 @@ class PeerHosts {
   [[nodiscard]] std::string HostOf(const ParticipantKey& participant) const;
 
  private:
-  // What the last ones said may be read after they are gone.
+  // Samples of the last ones may be read after they are gone.
   static constexpr std::size_t kGoneKept = 1024;
 
   const bool security_;

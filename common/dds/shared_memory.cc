@@ -40,7 +40,7 @@ std::uint64_t FreeBytes() {
 
 std::string Megabytes(std::uint64_t bytes) { return std::to_string(bytes >> 20) + " MB"; }
 
-/// What errno says of `path`.
+/// "PATH: " and errno's message.
 std::string ErrorOf(const std::string& path) {
   return path + ": " + std::generic_category().message(errno);
 }
@@ -57,7 +57,7 @@ std::string ErrorOf(const std::string& path) {
          "killed programs left there: fastdds shm clean (of Debian's fastdds-tools)");
 }
 
-// What follows is the signal's usual end.
+// After it the signal takes its usual end.
 void SayWhatItMeans(int /*signal*/) {
   constexpr std::string_view kText =
       "SIGBUS: memory that is mapped from a file is not there: /dev/shm was filled or emptied "

@@ -28,7 +28,7 @@ struct Header {
   std::uint64_t id = 0;
 };
 
-/// What writers take and readers give: a sample, or why the bytes received are none.
+/// The type of writers and readers: a sample, or why the bytes received are none.
 template <class Wire>
 struct Envelope {
   Wire value;

@@ -58,7 +58,7 @@ struct BusOptions {
 ///         together and the remedy.
 void CheckBusOptions(const BusOptions& options);
 
-/// What to look at when no learner of the run is heard, for people.
+/// Advice for people when no learner of the run is heard.
 /// @param network  as typed; see ParseNetwork.
 std::string WhyNoLearner(const BusOptions& options, const std::string& network);
 

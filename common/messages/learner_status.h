@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-/// What a learner says of itself and of its actors to whoever watches. The lists below are the one
+/// The status of a learner and its actors, for whoever watches. The lists below are its one
 /// description: the structs, the conversion to the wire (common/dds/convert.cc), the JSON of
 /// `status` and the metrics of Prometheus (learner/watch/) follow from them.
 namespace metronome {
 
-/// What a learner is at.
+/// The stages of a learner's life.
 enum class LearnerState : std::uint8_t {
   kWaitingForActors = 0,
   kCollecting = 1,
@@ -26,57 +26,67 @@ std::string StateText(LearnerState state);
 /// from accepted to stale and bytes are counted in this incarnation of the learner; what is of the
 /// last update is 0 before the first one since then.
 #define METRONOME_RUN_NUMBERS(FIELD)                                                               \
-  FIELD(std::uint64_t, version, "updates_total", "Updates made.")                                  \
-  FIELD(std::uint64_t, updates_total, "updates_planned", "Updates of the whole run.")              \
-  FIELD(std::uint64_t, steps, "steps_total", "Steps of the environment learnt from.")              \
-  FIELD(std::uint64_t, total_steps, "steps_planned", "Steps of the whole run.")                    \
-  FIELD(double, mean_return, "return", "Mean return of the last update's episodes.")               \
-  FIELD(double, success, "success_ratio", "Episodes of the last update with success at any step.") \
+  FIELD(std::uint64_t, version, "updates_total", "Updates made since the run began.")              \
+  FIELD(std::uint64_t, updates_total, "updates_planned",                                           \
+        "Updates that the whole run will have made.")                                              \
+  FIELD(std::uint64_t, steps, "steps_total", "Environment steps learnt from since the run began.") \
+  FIELD(std::uint64_t, total_steps, "steps_planned",                                               \
+        "Environment steps that the whole run will have made.")                                    \
+  FIELD(double, mean_return, "return", "Mean undiscounted return of the last update's episodes.")  \
+  FIELD(double, success, "success_ratio",                                                          \
+        "Share, 0 to 1, of the last update's episodes that succeeded at any step.")                \
   FIELD(double, success_end, "success_at_end_ratio",                                               \
-        "Episodes of the last update with success at their last step.")                            \
-  FIELD(double, fps, "steps_per_second", "Steps a second since the run began.")                    \
-  FIELD(double, seconds, "run_duration_seconds", "What the run has taken, all starts together.")   \
+        "Share, 0 to 1, of the last update's episodes that succeeded at their last step.")         \
+  FIELD(double, fps, "steps_per_second", "Mean environment steps per second since the run began.") \
+  FIELD(double, seconds, "run_duration_seconds",                                                   \
+        "Seconds that the run has taken, all starts of the learner together.")                     \
   FIELD(double, eta_seconds, "run_remaining_seconds",                                              \
-        "What the run will still take; 0 while unknown.")                                          \
+        "Estimated seconds until the run ends; 0 while unknown.")                                  \
   FIELD(double, collect_seconds, "collect_duration_seconds",                                       \
-        "Collecting the last update's episodes took.")                                             \
-  FIELD(double, update_seconds, "update_duration_seconds", "Learning from them took.")             \
-  FIELD(double, idle_share, "envs_idle_ratio", "Of the actors' time during the last update.")      \
+        "Seconds that collecting the last update's episodes took.")                                \
+  FIELD(double, update_seconds, "update_duration_seconds",                                         \
+        "Seconds that learning from the last update's episodes took.")                             \
+  FIELD(double, idle_share, "envs_idle_ratio",                                                     \
+        "Share, 0 to 1, of the actors' time that was idle during the last update.")                \
   FIELD(std::uint64_t, batch_episodes, "batch_episodes",                                           \
-        "Episodes here of the batch that is collected.")                                           \
-  FIELD(std::uint64_t, episodes_per_update, "batch_episodes_wanted", "Episodes of an update.")     \
+        "Episodes of the current batch that have arrived.")                                        \
+  FIELD(std::uint64_t, episodes_per_update, "batch_episodes_wanted",                               \
+        "Episodes that an update needs.")                                                          \
   FIELD(std::uint64_t, accepted, "episodes_accepted_total", "Episodes that passed the check.")     \
   FIELD(std::uint64_t, reassigned, "episodes_reassigned_total",                                    \
         "Episodes assigned again: lost, late or doubtful.")                                        \
   FIELD(std::uint64_t, duplicates, "episodes_duplicate_total", "Episodes that came again.")        \
   FIELD(std::uint64_t, rejected, "episodes_rejected_total", "Episodes that failed the check.")     \
   FIELD(std::uint64_t, stale, "episodes_stale_total",                                              \
-        "Episodes of an earlier incarnation of the learner.")                                      \
-  FIELD(std::uint64_t, bytes_sent, "sent_bytes_total", "Payload sent.")                            \
-  FIELD(std::uint64_t, bytes_received, "received_bytes_total", "Payload received.")                \
+        "Episodes that arrived for an earlier incarnation.")                                       \
+  FIELD(std::uint64_t, bytes_sent, "sent_bytes_total", "Payload bytes sent over DDS.")             \
+  FIELD(std::uint64_t, bytes_received, "received_bytes_total", "Payload bytes received over DDS.") \
   FIELD(std::uint64_t, checkpoint_version, "checkpoint_version",                                   \
-        "Updates in the newest checkpoint on disk.")                                               \
+        "Number of the update that the newest checkpoint on disk was written after.")              \
   FIELD(std::uint64_t, actors_total, "actors", "Actors connected.")                                \
-  FIELD(std::uint64_t, envs_total, "envs", "Episodes that they play at once.")
+  FIELD(std::uint64_t, envs_total, "envs", "Episodes that all connected actors play at once.")
 
 /// The same for each number of one actor.
-#define METRONOME_ACTOR_NUMBERS(FIELD)                                                            \
-  FIELD(std::uint32_t, envs, "actor_envs", "Episodes that the actor plays at once.")              \
-  FIELD(std::uint64_t, episodes_done, "actor_episodes_played_total",                              \
-        "Episodes that it has played, for all learners that it served.")                          \
-  FIELD(double, steps_per_second, "actor_steps_per_second", "Its speed, as it says.")             \
-  FIELD(std::uint64_t, accepted, "actor_episodes_accepted_total",                                 \
-        "Its episodes that passed the check.")                                                    \
-  FIELD(std::uint64_t, rejected, "actor_episodes_rejected_total",                                 \
-        "Its episodes that failed the check.")                                                    \
-  FIELD(std::uint64_t, assignments, "actor_assignments", "Assignments that it has not answered.") \
-  FIELD(double, oldest_assignment_seconds, "actor_oldest_assignment_age_seconds",                 \
-        "Age of the oldest of them; 0 without.")                                                  \
-  FIELD(double, silent_seconds, "actor_status_age_seconds", "Since its last word.")               \
-  FIELD(bool, on_probation, "actor_on_probation",                                                 \
-        "1 if its host's actors come and go, and others are preferred.")                          \
-  FIELD(bool, unanswering, "actor_unanswering",                                                   \
-        "1 if it gave up an assignment and has brought nothing since.")
+#define METRONOME_ACTOR_NUMBERS(FIELD)                                                         \
+  FIELD(std::uint32_t, envs, "actor_envs", "Episodes that the actor plays at once.")           \
+  FIELD(std::uint64_t, episodes_done, "actor_episodes_played_total",                           \
+        "Episodes that the actor has played, for all learners that it served.")                \
+  FIELD(double, steps_per_second, "actor_steps_per_second",                                    \
+        "Environment steps per second, as the actor reports them.")                            \
+  FIELD(std::uint64_t, accepted, "actor_episodes_accepted_total",                              \
+        "Episodes of the actor that passed the check.")                                        \
+  FIELD(std::uint64_t, rejected, "actor_episodes_rejected_total",                              \
+        "Episodes of the actor that failed the check.")                                        \
+  FIELD(std::uint64_t, assignments, "actor_assignments",                                       \
+        "Assignments that the actor has not answered.")                                        \
+  FIELD(double, oldest_assignment_seconds, "actor_oldest_assignment_age_seconds",              \
+        "Seconds since the oldest assignment that the actor has not answered; 0 without one.") \
+  FIELD(double, silent_seconds, "actor_status_age_seconds",                                    \
+        "Seconds since the actor's last message.")                                             \
+  FIELD(bool, on_probation, "actor_on_probation",                                              \
+        "1 if actors of this host come and go, and others are preferred; else 0.")             \
+  FIELD(bool, unanswering, "actor_unanswering",                                                \
+        "1 if the actor gave up an assignment and has brought nothing since; else 0.")
 
 /// FIELD(type, name) for each field that says which learner this is, and its state.
 #define METRONOME_LEARNER_IDENTITY(FIELD) \

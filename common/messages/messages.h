@@ -7,7 +7,7 @@
 #include "common/messages/episode.h"
 #include "common/messages/learner_status.h"
 
-/// What crosses between learner and actors, free of any middleware. idl/ has the wire types.
+/// The messages between learner and actors, free of any middleware. idl/ has the wire types.
 namespace metronome {
 
 /// Grows whenever wire types or the meaning of a message change. Peers of another version are

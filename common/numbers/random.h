@@ -6,7 +6,7 @@
 
 namespace metronome::numbers {
 
-/// What a random number is for. Streams of different purposes never meet.
+/// The purpose of a random number. Streams of different purposes never meet.
 /// The values are part of the promise of bit-equality: never renumber.
 enum class RandomPurpose : std::uint64_t {
   kTrain = 1,

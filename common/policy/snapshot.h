@@ -10,14 +10,14 @@
 
 namespace metronome::policy {
 
-/// What actors act with at `version`; incarnation is left 0 for the sender to fill.
+/// The policy for actors at `version`; incarnation is left 0 for the sender to fill.
 /// @param actor        the policy's parameters, ActorLayout(ShapeOf(config)).size floats.
 /// @param observation  what observations are normalised by; empty: not at all.
 /// @param config       resolved.
 PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor,
                             const RunningStatistics& observation, const RunConfig& config);
 
-/// What keeps actors from acting with a snapshot, for a message: another shape than the resolved
+/// The reason why actors cannot act with a snapshot, for a message: another shape than the resolved
 /// configuration's, or numbers so large or small that float32 may give an action or log-probability
 /// that is not finite, though they are. std::nullopt if nothing does, whatever is observed.
 std::optional<std::string> SnapshotDefect(const PolicySnapshot& snapshot, const RunConfig& config);

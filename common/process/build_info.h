@@ -2,8 +2,8 @@
 
 #include <string>
 
-/// Who computed a number: shown, recorded in checkpoints, and named where one at joining is
-/// refused. Thread-safe.
+/// Identity of the build that computed a number: shown, recorded in checkpoints, and named where
+/// one at joining is refused. Thread-safe.
 namespace metronome::process {
 
 /// The physics that this binary was built against, e.g. "mujoco-2.2.2". Runs never mix engines.

@@ -8,7 +8,7 @@
 
 namespace metronome::process {
 
-/// What a process spends its CPU time on. Whatever is not named - middleware threads above all - is
+/// Uses of a process's CPU time. Whatever is not named - middleware threads above all - is
 /// the rest.
 enum class CpuUse : std::size_t {
   kSetUp,    // actor: loading scenes, the canonical episode

@@ -1,6 +1,7 @@
 #pragma once
 
-/// What a processor must have to run this build: data alone, so that one that lacks it can read it.
+/// Processor features that this build needs: data alone, so that a processor without them can read
+/// it.
 namespace metronome::process {
 
 /// Names of processor features, as compilers spell them; a null pointer ends them.

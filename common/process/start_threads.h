@@ -17,7 +17,7 @@ std::vector<std::thread> StartThreads(std::size_t count,
                                       const std::function<void(std::size_t)>& work,
                                       const std::function<void()>& stop, const std::string& option);
 
-/// What one thread does with the index that it is given.
+/// The work of one thread on the index that it is given.
 using Worker = std::function<void(std::size_t)>;
 
 /// Shares the indices 0 to count - 1 out over `threads` threads, each of which makes a worker of

@@ -67,7 +67,7 @@ std::optional<std::string> Complaint(const CLI::App& app, const CLI::App* comman
     return UnknownName("command", left.front(), commands);
   }
   if (auto forgotten = ForgottenValue(*command)) return forgotten;
-  // What a command does not know, CLI11 may offer to the program itself.
+  // CLI11 may offer options that a command does not know to the program itself.
   for (const CLI::App* owner : {command, &app}) {
     const auto left = owner->remaining();
     if (!left.empty()) return ExplainExtra(*command, left.front());

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 
-/// What both programs add to CLI11: unknown names get their near miss, errors exit 2.
+/// Additions of both programs to CLI11: unknown names get their near miss, errors exit 2.
 namespace metronome::text {
 
 /// Parses the command line into `app`, whose subcommands are the program's commands; exactly one

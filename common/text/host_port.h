@@ -6,7 +6,7 @@
 
 namespace metronome::text {
 
-/// What "HOST[:PORT]" says; nothing is looked up.
+/// "HOST[:PORT]" taken apart; nothing is looked up.
 struct HostPort {
   std::string host;        // an IPv4 address or a name
   std::uint16_t port = 0;  // 0: not given
@@ -16,8 +16,8 @@ struct HostPort {
 /// @throws std::invalid_argument that quotes the part that is wrong and says why.
 std::vector<HostPort> ParseHostPorts(const std::string& text);
 
-/// Whether it is an IPv6 address, which nothing here supports; a zone, brackets and a port may be
-/// with it.
+/// @return true for an IPv6 address, which nothing here supports; a zone, brackets and a port may
+/// be with it.
 bool IsIpv6(const std::string& text);
 
 }  // namespace metronome::text

@@ -38,7 +38,7 @@ DAY = datetime.timedelta(days=1)  # clocks differ, and permissions are in local 
 
 
 class Refused(Exception):
-    """What was asked for cannot be done; says why."""
+    """A request that cannot be done; says why."""
 
 
 def _write(path, data, secret=False):

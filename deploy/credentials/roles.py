@@ -1,4 +1,4 @@
-"""Who may do what on which topic: the table of idl/README.md as permissions of DDS-Security."""
+"""The rights of each role on each topic: the table of idl/README.md as permissions of DDS-Security."""
 
 import re
 

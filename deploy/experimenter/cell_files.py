@@ -111,7 +111,7 @@ class CellFiles:
     # Results.
 
     def done(self):
-        """What run.json says, None while the cell is not done."""
+        """The contents of run.json, None while the cell is not done."""
         return _read_json(self.result / "run.json")
 
     def made_by(self):
@@ -124,7 +124,7 @@ class CellFiles:
         return _read_json(folder / EVALUATION_FACTS) or {}, folder
 
     def _told_by_results(self):
-        """What run.json did not always say."""
+        """Facts that run.json did not always have."""
         with open(self.result / "evaluation.csv", newline="") as file:
             rows = list(csv.DictReader(file))
         config = (self.result / "config.textproto").read_text()

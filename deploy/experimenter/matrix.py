@@ -70,7 +70,7 @@ class Cell:
         return f"{self.task}-{self.arm}-s{self.seed}"
 
     def train_arguments(self):
-        """What deploy/train takes to make this run, but for where and by how many processes."""
+        """The arguments of deploy/train for this run, but for where and by how many processes."""
         words = [self.task, "--method", self.method]
         words += [] if self.heads is None else ["--heads", str(self.heads)]
         words += [] if self.horizon is None else ["--horizon", str(self.horizon)]

@@ -1,4 +1,4 @@
-"""What all runs of an experiment share, asked once from the programs, git and the machine."""
+"""Facts that all runs of an experiment share, asked once from the programs, git and the machine."""
 
 import re
 import shlex
@@ -25,7 +25,7 @@ class Settings:
     steps_per_update: dict  # cell to E * T
 
     def command_of(self, cell):
-        """What makes the same run by hand."""
+        """The command that makes the same run by hand."""
         return shlex.join(["deploy/train", *cell.train_arguments(), "--mujoco", self.mujoco])
 
     def evaluation_facts(self, cell):

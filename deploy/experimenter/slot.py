@@ -11,7 +11,7 @@ from folders import shown
 
 # Longer than deploy/train takes to stop a learner that hangs.
 TRAIN_STOP = ((signal.SIGINT, 120.0), (signal.SIGKILL, 10.0))
-# What deploy/train says of a run that does not get under way.
+# The words of deploy/train about a run that does not get under way.
 TROUBLE = (b"no actor has joined", b"the learner does not serve")
 EVALUATE_STOP = ((signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
 

@@ -1,4 +1,4 @@
-"""What the simulation is made of: medians of results/performance/*.csv, in seconds, bytes and counts."""
+"""The inputs of the simulation: medians of results/performance/*.csv, in seconds, bytes and counts."""
 
 import csv
 import dataclasses

@@ -19,7 +19,7 @@ LATENCY = 1e-4  # seconds, one way
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    """Who gets what. An env plays on a core of its own."""
+    """The use of each core. An env plays on a core of its own."""
 
     cores: int  # that play
     envs: int = 1  # of an actor process; a participant each
@@ -30,7 +30,7 @@ class Plan:
     epochs: int = 10
     overlap: int = 0
     check_share: float = 1
-    # What is not built: see growth.md.
+    # These are not built: see growth.md.
     checkers: int = 0  # threads that check beside the coordinator's
     intakes: int = 1  # threads that receive and coordinate, each a share of the numbers
     relay: int = 0  # actor processes behind one relay, which alone is a participant of the learner

@@ -160,7 +160,7 @@ ANSWERS = {
 
 
 def designs(costs, most_cores):
-    """What each is worth where all others are there: without it the run is so much slower."""
+    """The worth of each where all others are there: without it the run is so much slower."""
     everything = {name: value for change in ANSWERS.values() for name, value in change.items()}
     relayed = everything | {"narrow_assignments": False, "relay": 16}
     cases = {"today": {}, "all of these": everything, "relays of 16 processes for such assignments": relayed}

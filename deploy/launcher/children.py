@@ -98,7 +98,7 @@ class Events:
         self._outlets += outlets
 
     def mute(self):
-        """What the watched streams bring is read and thrown away from now on."""
+        """Reads the watched streams from now on and throws away what they bring."""
         self._muted = True
 
     def wait(self, timeout):

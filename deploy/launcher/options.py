@@ -93,8 +93,8 @@ def _parser():
         description="Learns a task on this machine: a learner and actors as child processes"
         f"{', after setting up if needed' * checkout}. Ctrl-C stops all with a checkpoint; --resume goes on.",
         epilog="All other options go to the learner: --heads, --steps, --seed, --config, --set, --network, "
-        f"... are listed below{', or, before set-up, in deploy/options.md' * checkout}. Results are kept in runs/NAME/. More "
-        f"machines join with: {actor} run --run NAME --network lan",
+        f"... are listed below{', or, before set-up, in deploy/options.md' * checkout}. Results are kept in runs/NAME/. A run that "
+        f"is started with --network lan takes actors of more machines: {actor} run --run NAME --network lan",
     )
     parser.register("action", None, _Once)
     parser.add_argument("-h", "--help", action="store_true", help="show this and end")
@@ -158,7 +158,7 @@ def _parser():
 
 
 def is_run(folder):
-    """Whether the learner finds a run there. A start that was killed in its first moments leaves a
+    """@return True if the learner finds a run there. A start that was killed in its first moments leaves a
     folder without one."""
     return any(os.path.exists(folder / name) for name in ("config.textproto", "checkpoints"))
 
@@ -251,7 +251,7 @@ def _show_help(parser, build):
 
 
 def _require_for_learner(parser, options):
-    """What of the learner's options can be judged before it is built."""
+    """Judges the learner's options as far as that is possible before it is built."""
     for word in options.learner:
         name = word.partition("=")[0]
         if not word.startswith("-"):
@@ -349,24 +349,24 @@ def _typed(options, program, *words):
 
 
 def join_command(options, started):
-    """What a person types on this machine to start an actor."""
+    """The command that starts an actor on this machine."""
     return _typed(options, "metronome-actor", "run", *_joining(options, started, "actor-0"))
 
 
 def watch_command(options, started):
-    """What a person types on this machine to see how the run is."""
+    """The command that shows the run from this machine."""
     return _typed(options, "metronome-learner", "status", *_joining(options, started, "observer"))
 
 
 def resume_command(options):
-    """What a person types to go on."""
+    """The command that goes on with the run."""
     words = [word for word in sys.argv[1:] if word != "--resume"]
     words += [] if options.named else ["--run", options.run]
     return shlex.join([folders.typed(place.command("train")), *words, "--resume"])
 
 
 def wide_command(options):
-    """What a person types for a new run that has episodes for all of options.actors."""
+    """The command for a new run that has episodes for all of options.actors."""
     train, wide = folders.typed(place.command("train")), folders.shown(place.data("wide.textproto"))
     ours = ("--resume", "--run=", f"--config={wide}", "--set=collection.episodes_per_update=")
     words = [word for word in _joined(sys.argv[1:]) if not word.startswith(ours)]

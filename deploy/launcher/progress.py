@@ -1,4 +1,4 @@
-"""What a person sees: a bar on a terminal, now and then a line elsewhere."""
+"""Progress for people: a bar on a terminal, now and then a line elsewhere."""
 
 import sys
 import time

@@ -127,7 +127,7 @@ class Session:
         times += [at for at in (stop_deadline, self._patience.ends_at) if at is not None]
         return max(0.0, min(times) - time.monotonic()) if times else None
 
-    # What the learner says.
+    # The learner's messages.
 
     def _on_progress(self, line):
         try:

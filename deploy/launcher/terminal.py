@@ -90,7 +90,7 @@ class Outlet(io.TextIOBase):
 
     @property
     def waiting(self):
-        """Whether there is something to write once the file takes it."""
+        """True while there is something to write once the file takes it."""
         return bool(self._waiting)
 
     def fileno(self):

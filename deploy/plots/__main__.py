@@ -116,7 +116,7 @@ def seed_counts(found):
 
 
 def contents(experiments):
-    """What the page was made from: seeds of each task and arm."""
+    """The data of the page: seeds of each task and arm."""
     parts = []
     for name, found in experiments.items():
         tasks, counts = tasks_of(found), seed_counts(found)

@@ -1,4 +1,4 @@
-"""What the experiments left under results/: one cell is one run, results/EXPERIMENT/TASK-ARM-sSEED/."""
+"""The experiments' files under results/: one cell is one run, results/EXPERIMENT/TASK-ARM-sSEED/."""
 
 import csv
 import json
@@ -19,7 +19,7 @@ REWARD_LIMIT = 10  # of one step, in every Meta-World task
 
 
 class ResultsError(Exception):
-    """What is under results/ cannot be used; the message names the file and the remedy."""
+    """A file under results/ cannot be used; the message names it and the remedy."""
 
 
 @dataclass(frozen=True)

@@ -160,7 +160,7 @@ def _permutation_test(x, y):
 
 
 def trend(levels, values):
-    """Whether values rise with levels: Spearman's rank correlation of two sequences of equal length.
+    """How clearly values rise with levels: Spearman's rank correlation of two sequences of equal length.
     @return (correlation, two-sided p of the permutation test, exact or from `_SPLITS` random pairings); None
     where either does not vary or fewer than `FEWEST` are given."""
     x, y = (scipy.stats.rankdata(numbers) for numbers in (levels, values))

@@ -1,4 +1,4 @@
-"""What heads are worth to each other: `deploy/exchange`'s evaluations, each head in each block of time."""
+"""The worth of heads to each other: `deploy/exchange`'s evaluations, each head in each block of time."""
 
 import csv
 from dataclasses import dataclass

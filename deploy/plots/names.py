@@ -1,4 +1,4 @@
-"""What experiments, tasks and arms are called and drawn as, and in which order they stand.
+"""Names, looks and sequence of experiments, tasks and arms.
 
 The only place to touch for a new arm. One arm has one label and one colour in every figure, and no other arm has that
 colour; arms that meet in a figure can be told apart by the colour-blind too (tests/figures/test_drawing.py). An arm that

@@ -52,7 +52,7 @@ def by_task(cells, arm, tasks, score):
 
 
 def shared_tasks(cells, tasks, arms, score):
-    """What can be averaged over and still be compared: the tasks of which every arm has enough runs for an
+    """The tasks that can be averaged over and still be compared: those of which every arm has enough runs for an
     interval, or where there are none, any runs."""
     fewest = {task: min(len(by_seed(select(cells, task, arm), score)) for arm in arms) for task in tasks}
     return ([task for task in tasks if fewest[task] >= estimates.FEWEST]

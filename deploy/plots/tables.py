@@ -129,7 +129,7 @@ def _difference_row(task, cells, against):
 
 
 def _test_text(rows):
-    """What p is, and how small it can be with the seeds of these rows; empty where none has a p."""
+    """A note on p, and how small it can be with the seeds of these rows; empty where none has a p."""
     tested = {tuple(map(int, row[1].split(", "))) for row in rows if any(row[i] != "–" for i in _P)}
     if not tested:
         return ""

@@ -20,7 +20,7 @@ class NonFiniteUpdate : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What a run learns by: next state = f(state, batch of numbered episodes), the same bits on any
+/// An algorithm: next state = f(state, batch of numbered episodes), the same bits on any
 /// machine's threads. All that coordination, checkpoints and logs know of the mathematics. All but
 /// Update are quick; no two calls at a time touch the state.
 class Algorithm {
@@ -37,8 +37,8 @@ class Algorithm {
   /// runs.
   [[nodiscard]] virtual checkpoint::TrainState State() const = 0;
 
-  /// What actors act with at this version, and at the version before (not at version 0; of use with
-  /// collection.overlap 1 alone). Not while Update runs.
+  /// The policy for actors at this version, and at the version before (not at version 0; of use
+  /// with collection.overlap 1 alone). Not while Update runs.
   [[nodiscard]] virtual PolicySnapshot Snapshot() const = 0;
   [[nodiscard]] virtual PolicySnapshot PreviousSnapshot() const = 0;
   /// Why the episode cannot be right under this snapshot, or std::nullopt. Also while Update runs;

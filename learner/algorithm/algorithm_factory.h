@@ -19,7 +19,7 @@ class UnusableState : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What a learner gives its algorithm; none of it changes the result.
+/// Resources that a learner gives its algorithm; none of them changes the result.
 struct AlgorithmResources {
   int threads = 1;              // of an update, at least 1
   std::uint64_t check_key = 0;  // see CheckEpisode

@@ -8,7 +8,7 @@
 
 namespace metronome::algorithm {
 
-/// What one update saw and did: a pure function of state and batch. The counters are those after
+/// The figures of one update: a pure function of state and batch. The counters are those after
 /// the update.
 struct UpdateReport : checkpoint::RunCounters {
   double mean_return = 0;       // undiscounted episode return, mean over the batch

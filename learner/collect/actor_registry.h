@@ -48,7 +48,7 @@ class ActorRegistry {
                                                 const EpisodeCounts& counts, TimePoint now) const;
 
  private:
-  /// What an admitted actor last said of itself.
+  /// An admitted actor's last word of itself.
   struct Actor {
     std::string name;
     std::string host;

@@ -54,7 +54,7 @@ class AuditDesk {
   /// Numbers below this one are learnt from.
   void Learnt(std::uint64_t first_left) { audit_.Learnt(first_left); }
 
-  /// What was found, for people; empty if nothing is audited.
+  /// The audit's findings, for people; empty if nothing is audited.
   [[nodiscard]] std::string Text(const trust::ExcludedHosts& excluded) const;
 
  private:

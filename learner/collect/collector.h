@@ -20,7 +20,7 @@
 
 namespace metronome::collect {
 
-/// Whom to ask for what, and whom to believe.
+/// The rules of handing out episodes and of trust.
 struct CollectRules {
   assignments::AssignmentRules assignments;
   trust::TrustRules trust;
@@ -70,7 +70,7 @@ class Collector {
   [[nodiscard]] std::vector<ActorReport> ReportActors(TimePoint now) const {
     return registry_.Report(roster(), counts_, now);
   }
-  /// What the audit found; empty if nothing is audited.
+  /// The audit's findings; empty if nothing is audited.
   [[nodiscard]] std::string AuditText() const { return desk_.Text(excluded()); }
   /// @param updates  made, all starts together.
   [[nodiscard]] BatchStore::Accounting Account(std::uint64_t updates) const {

@@ -7,7 +7,7 @@
 
 namespace metronome::collect {
 
-/// What became of assignments and samples in this incarnation.
+/// Counts of assignments and samples in this incarnation.
 struct EpisodeCounts {
   struct ByActor {
     std::uint64_t accepted = 0;

@@ -41,7 +41,7 @@ class GradientReducer {
   /// Sums groups 0 .. groups - 1. @return the Euclidean norm of the sum.
   double Reduce(std::size_t groups);
 
-  /// What Reduce made, [parameters].
+  /// The result of Reduce, [parameters].
   [[nodiscard]] const std::vector<float>& sum() const { return sum_; }
   [[nodiscard]] std::size_t groups_held() const { return of_group_.size(); }
 

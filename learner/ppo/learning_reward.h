@@ -7,9 +7,9 @@
 
 namespace metronome::ppo {
 
-/// What is learnt from, before it is scaled: the reward, and ppo.success_reward more after each
-/// step with success. Where success is reached by accident only, past states that are worth less
-/// than those before them, it must be worth the way there. @return [T].
+/// The reward to learn from, before it is scaled: the environment's, and ppo.success_reward more
+/// after each step with success. Where success is reached by accident only, past states that are
+/// worth less than those before them, it must be worth the way there. @return [T].
 std::vector<float> LearningReward(const Episode& episode, const PpoConfig& ppo);
 
 }  // namespace metronome::ppo

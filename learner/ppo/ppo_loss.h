@@ -7,7 +7,7 @@
 
 namespace metronome::ppo {
 
-/// What the clipped objective needs of one sample besides the policy's current output.
+/// One sample for the clipped objective, without the policy's current output.
 struct PolicySample {
   const float* action = nullptr;  // [size], unclipped
   float proximal_log_prob = 0;    // under the parameters at the start of the update

@@ -8,7 +8,7 @@
 
 namespace metronome::ppo {
 
-/// What one update of PPO saw and did.
+/// The figures of one update of PPO.
 struct PpoReport : algorithm::UpdateReport {
   // Means over all minibatches of all epochs made, each under the weights before its step.
   double policy_loss = 0;

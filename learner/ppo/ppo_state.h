@@ -25,9 +25,9 @@ struct PpoState : checkpoint::RunCounters {
   bool operator==(const PpoState&) const = default;
 };
 
-/// What actors act with at state.version; incarnation is left 0 for the sender to fill.
+/// The policy for actors at state.version; incarnation is left 0 for the sender to fill.
 PolicySnapshot SnapshotOf(const PpoState& state, const RunConfig& config);
-/// What they acted with at state.version - 1 (overlap 1). @throws std::logic_error at version 0.
+/// The policy at state.version - 1 (overlap 1). @throws std::logic_error at version 0.
 PolicySnapshot PreviousSnapshotOf(const PpoState& state, const RunConfig& config);
 
 /// AlgorithmState::format of what EncodePpoState makes; grows whenever an older build would misread

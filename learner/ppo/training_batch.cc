@@ -25,8 +25,8 @@ std::vector<HeadRun> EpisodeRuns(const policy::HeadSchedule& schedule, std::int3
   return runs;
 }
 
-// What follows after the last step, if `value` is that of the final observation. An episode that
-// was cut short would have gone on: its end says nothing of what comes.
+// The value of the time after the last step, if `value` is that of the final observation. An
+// episode that was cut short would have gone on: its end says nothing of what comes.
 float FinalValue(const Episode& episode, const RunConfig& config, float value) {
   if ((episode.flags.back() & kStepTerminated) != 0) return 0;
   if (episode.length() < config.environment().horizon()) return value;

@@ -6,7 +6,7 @@
 
 namespace metronome::record {
 
-/// What a checkpoint holds, for people: one `name  value` a line.
+/// A checkpoint's contents, for people: one `name  value` a line.
 void PrintCheckpoint(const checkpoint::Checkpoint& checkpoint, std::ostream& out);
 
 /// The same as one JSON object on one line. Stable keys: version, steps, weights_sha256; further:

@@ -6,7 +6,7 @@
 #include "learner/algorithm/metric.h"
 #include "learner/algorithm/update_report.h"
 
-/// What is logged after an update: one list for progress.csv and TensorBoard.
+/// The metrics that are logged after an update: one list for progress.csv and TensorBoard.
 namespace metronome::record {
 
 /// Wall-clock side of an update: the only numbers allowed to differ between two equal runs.

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-// Who holds the lock, for the message alone: the lock itself never depends on it.
+// The holder of the lock, for the message alone: the lock itself never depends on it.
 std::string HolderText() {
   return "process " + std::to_string(getpid()) + " on " + process::HostName();
 }

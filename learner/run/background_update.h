@@ -18,7 +18,7 @@ class BackgroundUpdate {
  public:
   using TimePoint = Clock::time_point;
 
-  /// What came of a batch.
+  /// The outcome of a batch.
   struct Outcome {
     collect::Collector::Collected collected;
     double collect_seconds = 0;

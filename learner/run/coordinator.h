@@ -21,7 +21,7 @@
 
 namespace metronome::run {
 
-/// What a coordinator is told once.
+/// The facts and rules of a run, told to the coordinator once.
 struct CoordinatorSetup {
   RunDescription description;  // serving and finished are the coordinator's to set
   collect::assignments::AssignmentRules

@@ -26,7 +26,7 @@ class CannotStart : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What a learner begins with.
+/// The beginning of a learner's work.
 struct RunStart {
   checkpoint::Checkpoint checkpoint;  // of version 0 where there was none
   bool resumed = false;               // the checkpoint is on disk

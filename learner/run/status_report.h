@@ -11,7 +11,7 @@
 
 namespace metronome::run {
 
-/// What of a learner's status never changes.
+/// The part of a learner's status that never changes.
 struct StatusFacts {
   std::string task;
   std::string host;

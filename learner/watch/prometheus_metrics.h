@@ -8,7 +8,7 @@
 
 namespace metronome::watch {
 
-/// What Prometheus is told of a learner: `metronome_...`, in base units, every series with the
+/// A learner's metrics for Prometheus: `metronome_...`, in base units, every series with the
 /// label `run`, those of an actor with `actor` (host:pid) and `host` too. Who is not in `status`
 /// has none. Pure.
 /// @param made_at  when `status` was made, Unix time in seconds.

@@ -33,7 +33,7 @@ class EpisodeBank {
   [[nodiscard]] const PolicySnapshot& untrained() const { return untrained_; }
 
  private:
-  /// What of an episode depends on its number.
+  /// The part of an episode that depends on its number.
   struct Decisions {
     std::vector<float> action;        // [T, A]
     std::vector<float> log_prob;      // [T], nats

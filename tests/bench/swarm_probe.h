@@ -6,7 +6,7 @@
 #include "common/messages/bus_options.h"
 #include "tests/bench/swarm_bank.h"
 
-/// What the wire alone costs: the two buses, without learner or client. They fork.
+/// Costs of the wire alone: the two buses, without learner or client. They fork.
 namespace metronome::bench {
 
 struct TransportCost {

@@ -1,4 +1,4 @@
-"""What goes wrong, each drawn from a seed. A fault begins, lasts for `seconds`, ends, and then knows
+"""Faults, each drawn from a seed. A fault begins, lasts for `seconds`, ends, and then knows
 whether it really struck."""
 
 import errno

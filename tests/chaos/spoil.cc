@@ -67,7 +67,7 @@ Messages WrongVersion(EpisodeMessage truth, EpisodeMessage&) {
   return {std::move(truth)};
 }
 
-/// What an actor that has not heard of the learner's restart sends.
+/// The message of an actor that has not heard of the learner's restart.
 Messages OldRun(EpisodeMessage truth, EpisodeMessage&) {
   EpisodeMessage old = truth;
   old.incarnation -= 1;

@@ -28,7 +28,7 @@ RESTARTABLE = 4, 1  # a rival that lives no more is still seen; a disk that is f
 
 
 class Failed(Exception):
-    """What must not happen in a run, happened."""
+    """A run did what it must never do."""
 
 
 @contextlib.contextmanager

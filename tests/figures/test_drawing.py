@@ -1,4 +1,4 @@
-"""What is compared with what, and that figures come from what is there."""
+"""The comparisons that are drawn, and that figures come from the data that is there."""
 
 import importlib.util
 import itertools

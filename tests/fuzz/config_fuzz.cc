@@ -15,7 +15,7 @@ void Text(const std::string& text) {
   metronome::config::CompleteSpec(config, metronome::test::Describe);
   config = metronome::config::Resolve(config);
   metronome::config::Validate(config);
-  // What passes is printed and read again on resuming.
+  // A configuration that passes is printed and read again on resuming.
   metronome::config::Validate(
       metronome::config::ParseConfigText(metronome::config::PrintConfig(config), "again").config);
 }

@@ -87,7 +87,7 @@ TEST_P(DdsBusTest, SnapshotOfAMillionParametersArrives) {
   EXPECT_EQ(Next<PolicySnapshot>(*actor), snapshot);
 }
 
-/// What the sending threads and the test tell each other.
+/// Shared by the sending threads and the test.
 struct Progress {
   std::mutex mutex;
   std::condition_variable changed;

@@ -14,7 +14,7 @@
 #include "common/messages/bus.h"
 #include "tests/unit/support/sizes.h"
 
-/// What the tests of the DDS bus share: runs that no other test process sees, and waiting for one
+/// Shared by the tests of the DDS bus: runs that no other test process sees, and waiting for one
 /// kind of event.
 namespace metronome::test {
 

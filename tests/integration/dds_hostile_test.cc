@@ -10,7 +10,7 @@
 namespace metronome::test {
 namespace {
 
-/// What is not an encoding of anything, and what is almost right.
+/// Bytes that encode nothing, and bytes that are almost right.
 std::vector<Bytes> Corrupted(const Bytes& good) {
   std::vector<Bytes> all;
   for (const std::size_t size :

@@ -1,4 +1,4 @@
-"""What tests use of the Python package index: pinned by hash, made once a checkout, under .cache/."""
+"""Packages from the Python package index for tests: pinned by hash, made once a checkout, under .cache/."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""What processes leave behind: nothing after an end, and what kills leave goes at the next start."""
+"""Left-overs of processes: nothing after an end, and what kills leave goes at the next start."""
 
 import signal
 from pathlib import Path
@@ -12,7 +12,7 @@ SHM = ("--transport", "shm")
 
 
 def files():
-    """What Fast DDS and Metronome have in shared memory now."""
+    """The files of Fast DDS and Metronome in shared memory now."""
     return {f.name for f in MEMORY.iterdir() if "fastrtps_" in f.name or "metronome-" in f.name}
 
 

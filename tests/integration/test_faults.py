@@ -1,4 +1,4 @@
-"""What goes wrong in practice: missing, second, returning and interrupted processes."""
+"""Faults of practice: missing, second, returning and interrupted processes."""
 
 import signal
 
@@ -44,7 +44,7 @@ def test_an_interrupted_learner_leaves_a_checkpoint_and_goes_on(stage):
 def test_an_interrupted_learner_that_cannot_leave_a_checkpoint_ends_with_1(stage):
     learner, actor = stage.learner("run", small=ENDLESS), stage.actor("run")
     learner.expect_update(1)
-    # What a full disk does to the folder, without filling one: no file can be made in it.
+    # As a full disk does to the folder, without filling one: no file can be made in it.
     folder, aside = stage.runs / "run" / "checkpoints", stage.runs / "run" / "aside"
     folder.rename(aside)
     folder.touch()
@@ -93,7 +93,7 @@ def test_an_actor_of_another_domain_is_not_seen(stage):
 def test_training_goes_on_while_checkpoints_cannot_be_written(stage):
     learner, actor = stage.learner("run"), stage.actor("run")
     learner.expect_update(2)
-    # What a full disk does to the folder, without filling one: no file can be made in it.
+    # As a full disk does to the folder, without filling one: no file can be made in it.
     folder, aside = stage.runs / "run" / "checkpoints", stage.runs / "run" / "aside"
     folder.rename(aside)
     folder.touch()

@@ -1,4 +1,4 @@
-"""What both processes log with --log-format json: an object a line, and nothing else."""
+"""The logs of both processes with --log-format json: an object a line, and nothing else."""
 
 import json
 

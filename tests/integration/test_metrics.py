@@ -23,7 +23,7 @@ def read(url):
 
 
 def poll(get, what, seconds=DEADLINE):
-    """What a server of others shows has no event to wait for. @return what is true of `get()`."""
+    """Waits, without an event, for the word of a server of others. @return what is true of `get()`."""
     deadline = time.monotonic() + seconds
     while True:
         try:

@@ -33,7 +33,7 @@ def render(checkpoint, *options, **environment):
 
 
 def refusal(status, checkpoint, *options, **environment):
-    """What `render` says to what it cannot do."""
+    """The answer of `render` to a request that it cannot meet."""
     done = render(checkpoint, *options, **environment)
     assert done.returncode == status, done
     assert done.stdout == "", done

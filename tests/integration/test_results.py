@@ -1,4 +1,4 @@
-"""What a run leaves behind, and what of it may differ between two runs."""
+"""The results of a run, and the part of them that may differ between two runs."""
 
 import csv
 import signal

@@ -1,4 +1,4 @@
-"""Who may take part in a run with --security, what each may do, and what others get to see."""
+"""Runs with --security: who may take part, what each may do, and what others get to see."""
 
 import shutil
 import signal

@@ -1,4 +1,4 @@
-"""What a process may write to, and nobody reads."""
+"""Outputs of a process that nobody reads."""
 
 import contextlib
 import os

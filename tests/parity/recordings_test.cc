@@ -64,7 +64,7 @@ void ExpectSameSteps(const replay::Trace& trace, const replay::Recording& record
   }
 }
 
-/// What another convex collision detector leaves of the agreement.
+/// The agreement that another convex collision detector leaves.
 void ExpectNear(const replay::Trace& trace, const replay::Recording& recording) {
   std::vector<double> object(kHorizon);
   for (int t = 0; t < kHorizon; ++t)

@@ -32,7 +32,7 @@ void ClearContacts(mjData& d) {
   d.parena = 0;  // contacts are what the arena begins with
 }
 
-// What 3.x knows besides: contacts of flexes, and references of their own for friction.
+// 3.x knows more of a contact: contacts of flexes, and references of their own for friction.
 void SetGeoms(int geom1, int geom2, mjContact& contact) {
   contact.geom1 = contact.geom[0] = geom1;
   contact.geom2 = contact.geom[1] = geom2;
@@ -75,7 +75,7 @@ void SetGeoms(int geom1, int geom2, mjContact& contact) {
   contact.geom2 = geom2;
 }
 
-// What 2.2.2's boxes say is all taken, but for repetitions.
+// 2.2.2 takes all contacts of boxes, but for repetitions.
 bool Misplaced(const mjModel&, const mjData&, int, int, mjtNum, const mjContact&) { return false; }
 #endif
 

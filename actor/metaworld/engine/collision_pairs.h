@@ -26,7 +26,8 @@ class CollisionPairs {
   void Collide(mjData& data);
 
  private:
-  /// What the engine makes of two geoms' contact parameters, equal for all their contacts.
+  /// Two geoms and the contact parameters that the engine makes of theirs, equal for all their
+  /// contacts.
   struct Candidate {
     int geom1 = 0, geom2 = 0;  // that of the lower type first
     mjfCollision function = nullptr;

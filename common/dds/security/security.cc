@@ -163,7 +163,7 @@ std::string ReadSigned(const std::string& folder, const char* file) {
   return {data, static_cast<std::size_t>(size)};
 }
 
-/// What the permissions of an identity are for.
+/// Role, run and domain that an identity's permissions are for.
 struct Grant {
   std::string role, subject, domain, run;
 };

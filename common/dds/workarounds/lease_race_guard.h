@@ -29,7 +29,7 @@ class LeaseRaceGuard : public eprosima::fastdds::dds::DomainParticipantListener 
            discovered.status == Discovered::DROPPED_PARTICIPANT;
   }
 
-  /// What Fast DDS itself knows of the participant, not a copy.
+  /// Fast DDS' own record of the participant, not a copy.
   static Proxy& ProxyOf(const Discovered& discovered) {
     return const_cast<Proxy&>(discovered.info);
   }

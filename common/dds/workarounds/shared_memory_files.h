@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-/// What Fast DDS 2.9 and the notes of common/dds/shared_memory.h leave in the folder of shared
-/// memory.
+/// Files that Fast DDS 2.9 and the notes of common/dds/shared_memory.h leave in the folder of
+/// shared memory.
 namespace metronome::dds::workarounds {
 
 inline constexpr const char* kSharedMemoryFolder = "/dev/shm";  // what shm_open(3) takes

@@ -81,7 +81,7 @@ bool IsMute(int descriptor) {
          info.tcpi_bytes_received > 0 && info.tcpi_data_segs_out <= 1;
 }
 
-/// Whether it stays mute for longer than Fast DDS takes to go on.
+/// @return true if it stays mute for longer than Fast DDS takes to go on.
 bool StaysMute(int descriptor) {
   const auto deadline = std::chrono::steady_clock::now() + kMuteFor;
   while (IsMute(descriptor)) {

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cstdint>
 
-/// What Fast DDS 2.9 does not do for its own TCP connections, by their sockets.
+/// Care for Fast DDS 2.9's TCP connections, which it lacks itself, by their sockets.
 namespace metronome::dds::workarounds {
 
 /// To be called once the learner's participant is made. Fast DDS writes to sockets in blocking

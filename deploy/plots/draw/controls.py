@@ -1,4 +1,4 @@
-"""What else might explain the gain of heads: every control against the arm that it controls for."""
+"""Other explanations for the gain of heads: every control against the arm that it controls for."""
 
 from matplotlib.ticker import MaxNLocator
 

@@ -88,7 +88,7 @@ void AssignmentPlan::AskOthers(TimePoint now, std::vector<Handout>& plan) {
   }
 }
 
-// Who gave up an assignment, or comes and goes, is asked only when nobody else is there.
+// An actor that gave up an assignment, or comes and goes, is asked only when nobody else is there.
 void AssignmentPlan::AskForOpen(TimePoint now, std::vector<Handout>& plan) {
   const auto& actors = roster_.actors();
   const bool any_reliable = std::any_of(actors.begin(), actors.end(), [&](const Candidate& actor) {
@@ -105,8 +105,9 @@ void AssignmentPlan::AskForOpen(TimePoint now, std::vector<Handout>& plan) {
   }
 }
 
-// What is late at everyone who plays it goes to one more idle env: the first result wins. Numbers
-// that wait for another host to play them again may wait for ever: they hold nothing up here.
+// A number that is late at everyone who plays it goes to one more idle env: the first result wins.
+// Numbers that wait for another host to play them again may wait for ever: they hold nothing up
+// here.
 void AssignmentPlan::AskForLate(TimePoint now, std::vector<Handout>& plan) {
   if (!book_.open().empty()) return;
   // Anybody's: the env is idle, and a result that comes twice does no harm.

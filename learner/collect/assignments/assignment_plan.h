@@ -25,9 +25,9 @@ struct Handout {
   bool operator==(const Handout&) const = default;
 };
 
-/// Who plays which episode: open numbers go to the least loaded envs, lowest first, late ones to
-/// idle envs too, lost ones to anybody. Pure logic on given time points, which must not decrease;
-/// not thread-safe.
+/// Decides who plays which episode: open numbers go to the least loaded envs, lowest first, late
+/// ones to idle envs too, lost ones to anybody. Pure logic on given time points, which must not
+/// decrease; not thread-safe.
 class AssignmentPlan {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -38,7 +38,7 @@ class AssignmentPlan {
 
   /// The actor is there (again) with so many envs; at least 1.
   void Join(std::uint64_t actor_id, const std::string& host, std::uint32_t envs, TimePoint now);
-  /// What it has not brought is open again at once. @return how many assignments that were.
+  /// Its missing numbers are open again at once. @return how many assignments that were.
   std::size_t Lose(std::uint64_t actor_id, TimePoint now);
   /// The actor has brought this number, wanted or not: if it was assigned to it, its env is free.
   void Free(std::uint64_t number, std::uint64_t actor_id, TimePoint now);

@@ -6,7 +6,7 @@
 
 namespace metronome::collect::assignments {
 
-/// What may be assigned, and when an assignment counts as late.
+/// Limits of what is assigned, and when an assignment counts as late.
 struct AssignmentRules {
   std::uint64_t episodes_per_update = 16;  // E
   std::uint64_t overlap = 0;               // batch v is played under weights max(0, v - overlap)

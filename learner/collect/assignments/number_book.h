@@ -15,7 +15,7 @@ namespace metronome::collect::assignments {
 /// from. Pure bookkeeping: no time, no messages, no episodes. Not thread-safe.
 class NumberBook {
  public:
-  /// Who was asked for a number, or brought it.
+  /// An actor that was asked for a number, or brought it.
   struct Player {
     std::uint64_t actor_id = 0;
     std::string host;
@@ -35,7 +35,7 @@ class NumberBook {
     [[nodiscard]] bool MayBePlayedBy(std::uint64_t actor_id, const std::string& host) const;
   };
 
-  /// What an actor that brings a number has to do with it.
+  /// The claim of an actor that brings a number.
   struct Claim {
     enum class Standing {
       kWanted,     // it was assigned to this actor and is missing

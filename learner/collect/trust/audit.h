@@ -63,7 +63,7 @@ class Audit {
   [[nodiscard]] std::vector<std::uint64_t> Pending() const;
   [[nodiscard]] bool IsPending(std::uint64_t number) const { return pending_.contains(number); }
   [[nodiscard]] bool IsDisputed(std::uint64_t number) const;
-  /// What this host said of pending numbers does not count. @return numbers that nobody else has
+  /// Strikes this host's answers for pending numbers. @return numbers that nobody else has
   /// an opinion on.
   std::vector<std::uint64_t> Forget(const std::string& host);
 

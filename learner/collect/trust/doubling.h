@@ -6,8 +6,8 @@
 
 namespace metronome::collect::trust {
 
-/// What grows with each of `times` repetitions: 0 for none, `first` for one, then twice as much
-/// each time, at most `longest`.
+/// A time that grows with each of `times` repetitions: 0 for none, `first` for one, then twice as
+/// much each time, at most `longest`.
 inline std::chrono::milliseconds Doubling(std::uint32_t times, std::chrono::milliseconds first,
                                           std::chrono::milliseconds longest) {
   if (times == 0) return std::chrono::milliseconds(0);

@@ -56,8 +56,8 @@ class Trust {
   /// It brought an episode, whatever that is worth: no silence any more.
   void Brought(std::uint64_t actor_id);
 
-  /// What it brought passed the check, or did not. @return false if these were too many bad ones in
-  /// a row: refuse it.
+  /// Notes that its episode passed the check, or did not. @return false if these were too many bad
+  /// ones in a row: refuse it.
   bool Checked(std::uint64_t actor_id, bool good);
   /// Nothing is heard of this actor from here on but `reason`, which it is told. Of too many, who
   /// was refused longest ago is forgotten: it is judged anew, as under another id.
@@ -73,7 +73,7 @@ class Trust {
   [[nodiscard]] const std::string* ExclusionOf(const std::string& host) const;
   [[nodiscard]] const ExcludedHosts& excluded() const { return excluded_; }
 
-  /// What follows for assignments to an actor.
+  /// The consequences for assignments to an actor.
   struct State {
     bool on_probation = false;  // of its host: asked only if nobody else is there
     bool rests = false;         // because of its silence: as well

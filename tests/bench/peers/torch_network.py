@@ -58,7 +58,7 @@ def log_probability(action, mean, log_std):
 
 
 class Batch:
-    """What an update learns from, one row a sample."""
+    """The data of an update, one row a sample."""
 
     FIELDS = ("input", "action", "log_probability", "advantage", "target", "head", "actor_columns", "critic_columns")
 

@@ -1,4 +1,4 @@
-"""What the wire's measurements share: processes in a domain and a folder of their own."""
+"""Shared by the wire's measurements: processes in a domain and a folder of their own."""
 
 import contextlib
 import csv
@@ -41,7 +41,7 @@ def swarm(on_stage, command, config, transport, *options):
 
 
 def result(process):
-    """What a swarm command prints, once it has ended well."""
+    """The output of a swarm command, once it has ended well."""
     assert process.wait(PATIENCE) == 0, process
     return json.loads(process.output[-1])
 

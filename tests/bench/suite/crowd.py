@@ -1,4 +1,4 @@
-"""What actors cost a learner besides their episodes: being there, joining, each new version of the
+"""Costs of actors for a learner besides their episodes: being there, joining, each new version of the
 weights; and how unlike each other the durations of episodes are. deploy/growth reckons with it.
 
 Everything runs in a network namespace of its own (as root), whose datagrams nftables counts.
@@ -72,7 +72,7 @@ def _as_user(program, command, *words):
 
 
 def _count_datagrams(space, base):
-    """What learner and actors send to each other; the rest (`search`) is multicast and goes to the ports
+    """The traffic between learner and actors; the rest (`search`) is multicast and goes to the ports
     where other learners of this machine would be (idl/README.md), whoever sends it."""
     search = ", ".join(str(base + port) for port in (0, *range(12, 42, 2)))
     rules = "; ".join(f'{what} counter accept comment "{direction}"' for direction, what in (

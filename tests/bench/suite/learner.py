@@ -13,7 +13,7 @@ CASES = [(64, 1000, 2), (128, 1000, 1), (128, 1000, 2), (128, 2500, 2), (256, 10
 
 
 def update(build, **options):
-    """What learner_bench prints: {"samples_per_second": ..., "gflops": ..., "gemm_gflops": ...}."""
+    """The output of learner_bench: {"samples_per_second": ..., "gflops": ..., "gemm_gflops": ...}."""
     command = [build / "bin/learner_bench"]
     for name, value in options.items():
         command += [f"--{name}", str(value)]

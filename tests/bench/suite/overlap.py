@@ -1,4 +1,4 @@
-"""What `collection.overlap: 1` and the wide preset win in time, with actors on cores of their own.
+"""The gain in time by `collection.overlap: 1` and the wide preset, with actors on cores of their own.
 
 The learner has one core and one thread, the actor another one. On cores that both saturate
 together, overlap can win nothing.

@@ -16,7 +16,7 @@ HELP = "control steps a second of EnvPool and of the official Python package, ra
 # MuJoCo inside: EnvPool 1.2.5 is built with its own, the official package pins one.
 ENVPOOL_ENGINE, OFFICIAL_ENGINE = "3.6.0", "3.3.0"
 
-# What is measured: quantity, engine, script and arguments. With these numbers of environments EnvPool
+# The measurements: quantity, engine, script and arguments. With these numbers of environments EnvPool
 # was fastest (of 8, 16, 32 and 64, two threads).
 STEPPING = [
     ("EnvPool sync x1", ENVPOOL_ENGINE, "envpool_steps", {"mode": "sync", "envs": 64, "threads": 1}),

@@ -1,4 +1,4 @@
-"""What the wire costs: processor time per episode at both ends, and the way of the weights."""
+"""Costs of the wire: processor time per episode at both ends, and the way of the weights."""
 
 import statistics
 

@@ -65,7 +65,7 @@ def policy_of(name, task, seed, constant):
 
 
 def remembered(environment):
-    """What the task remembers of the reset: each number and small array among its attributes."""
+    """The task's memory of the reset: each number and small array among its attributes."""
     found = {}
     for name, value in sorted(vars(environment).items()):
         if name in NOT_REMEMBERED or isinstance(value, str):

@@ -83,7 +83,7 @@ std::string WithFormat(const Checkpoint& checkpoint, std::uint32_t format) {
   return Framed(EncodeCheckpoint(checkpoint).substr(52), format);
 }
 
-/// What formats 1 to 5 kept of a run of the configuration.
+/// The state that formats 1 to 5 kept of a run of the configuration.
 StateOfFormat5 OldState(const RunConfig& config) {
   StateOfFormat5 state;
   state.set_version(7);
@@ -626,7 +626,7 @@ TEST_F(CheckpointStoreTest, AFolderThatCannotBeWrittenLeavesTheOldCheckpoint) {
 
 class FilesTest : public TemporaryFolderTest {
  protected:
-  /// What keeps the path from being written.
+  /// The reason why the path cannot be written.
   static std::string Refusal(const fs::path& path) {
     try {
       process::WriteFileAtomically(path, "new");

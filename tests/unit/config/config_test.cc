@@ -14,7 +14,7 @@
 namespace metronome::config {
 namespace {
 
-/// What a ConfigError says; fails the test if there is none.
+/// The message of a ConfigError; fails the test if there is none.
 std::string ErrorOf(const std::function<void()>& act) {
   try {
     act();

@@ -138,7 +138,8 @@ TEST(ConvertTest, TextAndConfigurationBeyondTheirBoundsAreNotSent) {
   EXPECT_THROW(ToWire(description), Malformed);
 }
 
-/// What a filter with these parameters says to a payload; std::nullopt if there is no such filter.
+/// The verdict of a filter with these parameters on a payload; std::nullopt if there is no such
+/// filter.
 std::optional<bool> Passes(const std::vector<std::string>& parameters,
                            std::vector<std::uint8_t> bytes) {
   ActorFilterFactory::ParameterSeq::size_type length = 0;
@@ -231,7 +232,7 @@ TEST(BusOptionsTest, DiscoveryServersHaveTheUsualPort) {
   }
 }
 
-/// What CheckBusOptions says of a combination; empty: nothing.
+/// The complaint of CheckBusOptions about a combination; empty: none.
 std::string Objection(const std::string& transport, const std::string& network,
                       const std::string& servers = "") {
   BusOptions options;

@@ -88,7 +88,7 @@ TEST(PpoStateTest, AnotherFormatOrAlgorithmIsRefusedByName) {
   EXPECT_EQ(Refusal(state, config), "its state is of the algorithm sac, this run's is ppo");
 }
 
-// What coordinator, checkpoints and logs see is the trainer, update by update.
+// Coordinator, checkpoints and logs see the trainer, update by update.
 TEST(PpoAlgorithmTest, GoesOnFromItsOwnStateAsTheTrainerDoes) {
   const RunConfig config = SmallConfig(MULTIHEAD, 3, 1);
   const auto factory = MakePpoFactory();

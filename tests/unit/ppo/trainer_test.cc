@@ -313,7 +313,7 @@ TEST(EpisodeCheckTest, AcceptsTheActorsEpisodeAndNamesWhatIsWrongWithOthers) {
                 "step 12");
 }
 
-// What an actor under another schedule would send is wrong at the first step of another head; with
+// An episode of an actor under another schedule is wrong at the first step of another head; with
 // only its tags put right, in what that head does.
 TEST(EpisodeCheckTest, RefusesTheHeadsOfAnotherSchedule) {
   const Schedule schedules[] = {SCHEDULE_BLOCKS, SCHEDULE_INTERLEAVED, SCHEDULE_SHUFFLED};

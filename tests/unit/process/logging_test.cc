@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// What `say` logs to standard error.
+/// The lines that `say` logs to standard error.
 std::string Logged(const LogOptions& options, const std::function<void()>& say) {
   const auto before = spdlog::default_logger();
   testing::internal::CaptureStderr();

@@ -32,7 +32,7 @@ class RunStartTest : public TemporaryFolderTest {
 
   [[nodiscard]] std::string Checkpoints() const { return request_.folder + "/checkpoints"; }
 
-  /// What the run's learner left at `version`.
+  /// The checkpoint that the run's learner left at `version`.
   [[nodiscard]] checkpoint::Checkpoint At(std::uint64_t version) const {
     checkpoint::Checkpoint checkpoint;
     checkpoint.config = request_.config;

@@ -117,7 +117,7 @@ class FakeRecord final : public record::RunRecord {
 struct FakeActor {
   ActorStatus status;
   milliseconds duration{100};
-  /// What it sends for an assignment; default: the episode, once.
+  /// The messages that it sends for an assignment; default: the episode, once.
   std::function<std::vector<EpisodeMessage>(const EpisodeMessage&)> answer;
   Clock::time_point busy_until;
   std::string refused;  // reason

@@ -22,7 +22,7 @@ using ::testing::ElementsAre;
 
 constexpr FollowOptions kFollowing{true, true};
 
-/// What is heard, in this order; std::nullopt is a deadline.
+/// Hears the events of a script one after the other; std::nullopt is a deadline.
 class ScriptedBus final : public ObserverBus {
  public:
   explicit ScriptedBus(std::deque<std::optional<ObserverEvent>> script)

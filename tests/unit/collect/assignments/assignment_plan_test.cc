@@ -172,7 +172,7 @@ TEST(AssignmentPlanTest, ALostActorsAssignmentsGoBackAtOnce) {
   EXPECT_EQ(NumbersOf(assignments.plan.HandOut(At(3)), 2), (Numbers{0}));
   EXPECT_EQ(assignments.plan.reassigned(), 1U);
   EXPECT_EQ(assignments.plan.roster().actors().size(), 1U);
-  // What the lost one still brings is as good as any.
+  // An episode that the lost one still brings is as good as any.
   EXPECT_EQ(assignments.StandingOf(0, 1), Standing::kWanted);
 }
 
@@ -284,7 +284,8 @@ TEST(AssignmentPlanTest, AnActorThatWasMerelySlowWorksOnOnceItSpeaks) {
     for (const auto number : NumbersOf(plan, 2)) brought_by_2.push_back(number);
     EXPECT_TRUE(NumbersOf(plan, 1).empty()) << now;
   }
-  // What it was given up for comes, a duplicate: it gets assignments at once, two for its env.
+  // The episode that it was given up for comes, a duplicate: it gets assignments at once, two for
+  // its env.
   EXPECT_EQ(assignments.StandingOf(0, 1), Standing::kDuplicate);
   assignments.plan.Free(0, 1, At(3310));
   EXPECT_EQ(NumbersOf(assignments.plan.HandOut(At(3310)), 1).size(), 2U);
