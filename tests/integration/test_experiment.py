@@ -73,6 +73,7 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_it_makes_every_cell_once(stage):
     place = Place(stage)
     leave_what_a_killed_start_leaves(place.runs / "small" / "push-multihead-s7")
@@ -109,6 +110,7 @@ def test_runs_on_one_placement_are_evaluated_on_it(stage):
     assert "trained with" not in (place.runs / "small" / "push-ppo-s7.log").read_text()
 
 
+@pytest.mark.slow
 def test_a_cell_is_the_run_that_its_command_makes(stage):
     place = Place(stage)
     made = place.start("--cells", "push-ppo-*")
@@ -122,6 +124,7 @@ def test_a_cell_is_the_run_that_its_command_makes(stage):
     assert stage.inspect(stage.latest("by-hand"))["weights_sha256"] == facts["weights_sha256"]
 
 
+@pytest.mark.slow
 def test_an_interrupted_experiment_goes_on_in_another_checkout(stage):
     whole, cut = Place(stage, "whole", 16000), Place(stage, "cut", 16000)
     calm = whole.start("--cells", "push-multihead-*")
@@ -164,6 +167,7 @@ class HeldEvaluations:
         os.close(self._read)
 
 
+@pytest.mark.slow
 def test_a_milestone_that_was_not_evaluated_is_evaluated_in_another_checkout(stage):
     place, held = Place(stage), HeldEvaluations(stage.runs.parent)
     stopped = place.start("--cells", "push-ppo-*", build=held.build)
@@ -227,6 +231,7 @@ def test_jobs_without_a_domain_each_are_refused(stage, options, complaint):
         ('tasks = ["push"]', 'tasks = ["push"] # \udcff', "not UTF-8"),
     ],
 )
+@pytest.mark.slow
 def test_a_file_that_cannot_be_right_is_refused_by_name(stage, old, new, complaint):
     assert old in FILE
     place = Place(stage, text=FILE.replace(old, new))
@@ -275,6 +280,7 @@ def test_a_run_whose_newest_checkpoint_is_lost_is_carried_all_the_same(tmp_path)
     assert [path.name for path in carried.iterdir()] == ["000003.ckpt"]
 
 
+@pytest.mark.slow
 def test_a_done_cell_of_other_settings_is_not_taken_for_the_one_asked(stage):
     place = Place(stage)
     assert place.start("--cells", "push-multihead-*").wait() == 0

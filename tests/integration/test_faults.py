@@ -2,11 +2,14 @@
 
 import signal
 
+import pytest
+
 from harness import ENDLESS, LONG, LONG_UPDATES
 
 FAILURE, NO_LEARNER, RIVAL = 1, 3, 4  # exit codes
 
 
+@pytest.mark.slow
 def test_an_actor_without_a_learner_says_so_and_gives_up(stage):
     actor = stage.actor("nobody", "--wait", "3")
     actor.expect_text("nobody", seconds=30)
@@ -22,6 +25,7 @@ def test_a_second_learner_of_a_run_is_refused(stage):
     assert first.child.poll() is None, first
 
 
+@pytest.mark.slow
 def test_a_second_learner_on_another_machine_is_refused(stage, tmp_path):
     first = stage.learner("run")
     first.expect_event("started")
@@ -32,6 +36,7 @@ def test_a_second_learner_on_another_machine_is_refused(stage, tmp_path):
     assert stage.finish("run", first, [stage.actor("run")])
 
 
+@pytest.mark.slow
 def test_an_interrupted_learner_leaves_a_checkpoint_and_goes_on(stage):
     learner, actor = stage.learner("run", small=LONG), stage.actor("run")
     learner.expect_update(2)
@@ -63,6 +68,7 @@ def test_a_terminated_actor_ends_within_seconds(stage):
     actor.wait(10)
 
 
+@pytest.mark.slow
 def test_an_actor_that_stays_serves_the_next_run_of_that_name(stage):
     actor = stage.actor("run", "--stay")
     learner = stage.learner("run")

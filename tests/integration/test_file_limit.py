@@ -16,6 +16,7 @@ def limited(blocks, *command):
     return ("bash", "-c", f'ulimit -f {blocks}; exec "$@" >"$OUT"', "-", *command)
 
 
+@pytest.mark.slow
 def test_training_goes_on_while_files_cannot_grow(stage):
     learner, actor = stage.learner("run", small=LONG), stage.actor("run")
     learner.expect_update(2)
@@ -37,6 +38,7 @@ def test_a_start_that_cannot_write_its_first_checkpoint_says_so(stage, tmp_path,
     assert "000000.ckpt" in learner.text and "File too large" in learner.text, learner
 
 
+@pytest.mark.slow
 def test_an_actor_plays_on_when_its_log_is_full_or_nobody_reads_it(stage, tmp_path, monkeypatch):
     log = tmp_path / "log"
     monkeypatch.setenv("OUT", "/dev/null")
@@ -71,6 +73,7 @@ def test_a_result_that_cannot_be_written_is_an_error(stage, tmp_path, monkeypatc
         assert "cannot write" in process.text, process
 
 
+@pytest.mark.slow
 def test_a_video_that_is_larger_than_files_may_be_is_an_error(stage, tmp_path, monkeypatch):
     monkeypatch.setenv("OUT", "/dev/null")
     video = tmp_path / "video.mp4"

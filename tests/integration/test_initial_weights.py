@@ -25,6 +25,7 @@ def expected(module_stage, source):
     return module_stage.train("next", "--from", source, *KEEP, small=NEXT)
 
 
+@pytest.mark.slow
 def test_it_begins_with_the_weights_and_nothing_else(module_stage, source, expected):
     stage, given = module_stage, module_stage.inspect(source)
     first = stage.inspect(stage.runs / "next" / "checkpoints" / "000000.ckpt")
@@ -39,6 +40,7 @@ def test_it_begins_with_the_weights_and_nothing_else(module_stage, source, expec
 
 
 @pytest.mark.parametrize("overlap", [(), ("--set", "collection.overlap=1")], ids=["", "overlapping"])
+@pytest.mark.slow
 def test_on_two_actors_killed_and_resumed_it_has_the_same_bits(stage, module_stage, source, expected, overlap):
     if overlap:
         expected = module_stage.train("overlapping", "--from", source, *overlap, small=NEXT)

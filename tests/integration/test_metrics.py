@@ -64,6 +64,7 @@ def run(stage):
     return learner, actors, url
 
 
+@pytest.mark.slow
 def test_promtool_finds_nothing_to_say_of_a_scrape_and_who_leaves_is_not_in_it(run):
     _, actors, url = run
     name = f'actor="[^"]*:{actors[0].child.pid}"'
@@ -82,6 +83,7 @@ def test_promtool_finds_nothing_to_say_of_a_scrape_and_who_leaves_is_not_in_it(r
     assert len(series(rest, "metronome_actor_assignments")) == 1
 
 
+@pytest.mark.slow
 def test_a_prometheus_server_scrapes_a_run_and_knows_the_alerts(stage, run, tmp_path):
     learner, _, url = run
     config = (PROMETHEUS / "prometheus.yml").read_text()
@@ -115,6 +117,7 @@ def test_a_prometheus_server_scrapes_a_run_and_knows_the_alerts(stage, run, tmp_
     assert len(group["rules"]) == (PROMETHEUS / "alerts.yml").read_text().count("- alert:")
 
 
+@pytest.mark.slow
 def test_alerts_are_raised_for_runs_that_need_somebody_and_for_no_others():
     for words in (
         ("check", "rules", PROMETHEUS / "alerts.yml"),
@@ -125,6 +128,7 @@ def test_alerts_are_raised_for_runs_that_need_somebody_and_for_no_others():
         assert verdict.returncode == 0, verdict.stdout + verdict.stderr
 
 
+@pytest.mark.slow
 def test_a_second_learner_of_a_run_is_told_of_the_first_and_not_of_the_port(stage, run):
     second = stage.learner("shown", "--metrics", run[2].split("/")[2], "--resume", small=ENDLESS)
     assert second.wait(30) == 4, second

@@ -103,6 +103,7 @@ def firewall(network, domain, way):
         network.router.run("nft", "delete", "table", "ip", "firewall")
 
 
+@pytest.mark.slow
 def test_through_the_documented_ports_alone_a_run_gives_the_weights_of_loopback(
     stage, network, way, expected
 ):
@@ -113,6 +114,7 @@ def test_through_the_documented_ports_alone_a_run_gives_the_weights_of_loopback(
 
 
 @pytest.mark.parametrize("way", WAYS[1:], indirect=True)
+@pytest.mark.slow
 def test_many_join_are_seen_and_are_missed_when_killed(stage, network, way):
     learner = stage.learner("seen", *way.learner, small=ENDLESS, host=network.hosts["learner"])
     learner.expect_event("started")
@@ -133,6 +135,7 @@ def test_many_join_are_seen_and_are_missed_when_killed(stage, network, way):
     assert status.wait(10) == 0, status
 
 
+@pytest.mark.slow
 def test_the_learner_says_how_to_join_by_each_way(stage, network):
     host = network.hosts["learner"]
     ways = {name: Way(name, stage, network.hosts) for name in WAYS}
@@ -145,6 +148,7 @@ def test_the_learner_says_how_to_join_by_each_way(stage, network):
     assert said.endswith("--network <address of learner>"), said
 
 
+@pytest.mark.slow
 def test_a_discovery_server_restarted_at_once_costs_no_episode(
     stage, network, server_way, expected
 ):
@@ -164,6 +168,7 @@ def test_a_discovery_server_restarted_at_once_costs_no_episode(
     assert all_once in learner.text, learner
 
 
+@pytest.mark.slow
 def test_while_the_discovery_server_is_away_only_newcomers_wait(
     stage, network, server_way, expected
 ):
@@ -252,6 +257,7 @@ def test_over_tcp_a_learner_that_ends_has_no_connections_left(stage):
         actor.expect_text("is gone", seconds=LEASE)
 
 
+@pytest.mark.slow
 def test_over_tcp_an_actor_that_is_cut_off_holds_nobody_up(stage, network):
     """Snapshots of 1.2 MB fill what the system takes for a peer that does not answer."""
     way = Way("tcp", stage, network.hosts)

@@ -19,6 +19,7 @@ SOLVED_BY = {
 
 
 @pytest.mark.parametrize("checkpoint", POLICIES, ids=lambda path: path.stem)
+@pytest.mark.slow
 def test_a_committed_policy_solves_its_task(stage, checkpoint):
     assert checkpoint.stat().st_size <= LARGEST
     evaluated = stage.start(ACTOR, "evaluate", "--checkpoint", checkpoint, "--episodes", 20, "--seed", 4711, "--json")

@@ -56,6 +56,7 @@ def evaluated_return(checkpoint, *options):
     return json.loads(done.stdout)["return"]
 
 
+@pytest.mark.slow
 def test_a_picture_has_the_size_asked_for_and_is_not_blank(checkpoint, tmp_path):
     picture = tmp_path / "picture.png"
     done = render(checkpoint, "--out", picture, "--size", "400x300")
@@ -69,6 +70,7 @@ def test_a_picture_has_the_size_asked_for_and_is_not_blank(checkpoint, tmp_path)
 
 
 @pytest.mark.parametrize("placements", ["random", "mt1"])
+@pytest.mark.slow
 def test_the_episode_drawn_is_the_one_that_evaluate_plays(checkpoint, tmp_path, placements):
     options = ("--seed", "5", "--placements", placements)
     picture = tmp_path / "picture.png"
@@ -101,6 +103,7 @@ def test_the_csv_tells_where_the_hand_went_and_who_moved_it(checkpoint, tmp_path
     assert rows[0]["head"] == rows[0]["reward"] == ""
 
 
+@pytest.mark.slow
 def test_a_video_has_its_frames_and_lasts_as_long_as_the_episode(checkpoint, tmp_path):
     video = tmp_path / "video.mp4"
     done = render(checkpoint, "--out", video, "--size", "320x240", "--every", "5")

@@ -102,6 +102,7 @@ def test_a_secured_run_ends_with_the_weights_of_an_unsecured_one(
     assert stage.finish("run", learner, [actor]) == expected
 
 
+@pytest.mark.slow
 def test_an_observer_sees_a_secured_run_by_its_identity_alone(stage, tmp_path):
     identities = make(tmp_path / "identities", "seen", stage.domain)
     learner = stage.learner("seen", *secured(identities / "learner"))
@@ -157,6 +158,7 @@ def test_outsiders_get_nothing_and_change_nothing(stage, identities, tmp_path, e
         assert len(process.lines) < 60, process  # no endless complaints
 
 
+@pytest.mark.slow
 def test_an_actors_host_is_its_certificate_whatever_its_process_or_address(stage, tmp_path):
     folder = make(tmp_path / "two", "run", stage.domain, "--actors", 2)
     learner = stage.learner("run", *secured(folder / "learner"), small=ENDLESS)
@@ -173,6 +175,7 @@ def test_an_actors_host_is_its_certificate_whatever_its_process_or_address(stage
 
 
 @pytest.mark.skipif(LIBRARY is None, reason="needs Debian's package libfaketime")
+@pytest.mark.slow
 def test_an_expired_identity_is_turned_away_though_its_owner_sets_back_the_clock(
     stage, identities, tmp_path, expected
 ):
@@ -195,6 +198,7 @@ def test_an_expired_identity_is_turned_away_though_its_owner_sets_back_the_clock
     assert stage.finish("run", learner, [actor]) == expected
 
 
+@pytest.mark.slow
 def test_a_revoked_identity_is_turned_away_and_a_new_one_taken(
     stage, identities, tmp_path, expected
 ):
@@ -213,6 +217,7 @@ def test_a_revoked_identity_is_turned_away_and_a_new_one_taken(
     assert stage.finish("run", learner, [actor]) == expected
 
 
+@pytest.mark.slow
 def test_an_actor_cannot_give_itself_the_permissions_of_a_learner(
     stage, identities, tmp_path, expected
 ):
@@ -260,6 +265,7 @@ def intrude(stage, folder, topic):
 
 
 @pytest.mark.parametrize("name", ["actor-0", "observer"])
+@pytest.mark.slow
 def test_an_identity_may_write_the_topics_of_its_role_alone(stage, identities, name):
     learner = stage.learner("run", *secured(identities / "learner"))
     learner.expect_event("started")
@@ -269,6 +275,7 @@ def test_an_identity_may_write_the_topics_of_its_role_alone(stage, identities, n
         assert intrude(stage, identities / name, topic) == "may not be written", topic
 
 
+@pytest.mark.slow
 def test_an_actor_that_loosens_its_own_rules_is_heard_by_nobody(stage, identities, tmp_path):
     """Genuine identity and permissions, but rules of its own that let it write anything."""
     # Of another name: OpenSSL looks the signer up by it, and the genuine one is there too.
@@ -349,6 +356,7 @@ def test_an_identity_is_for_one_run_and_one_domain(stage, identities):
 
 
 @pytest.mark.skipif(capture.unavailable() is not None, reason=str(capture.unavailable()))
+@pytest.mark.slow
 def test_an_eavesdropper_sees_the_content_of_an_unsecured_run_alone(stage, identities):
     placement = stage.start(
         *(ACTOR, "placements", "--task", "push", "--mode", "random", "--seed", 7, "--count", 1)
@@ -379,6 +387,7 @@ def test_an_eavesdropper_sees_the_content_of_an_unsecured_run_alone(stage, ident
 @pytest.mark.skipif(
     namespaces.unavailable() is not None, reason=str(namespaces.unavailable())
 )
+@pytest.mark.slow
 def test_secured_machines_find_each_other_across_routed_networks(stage, tmp_path, expected):
     identities = make(tmp_path / "identities", "run", 0)
     with namespaces.Network() as network:
@@ -394,6 +403,7 @@ def test_secured_machines_find_each_other_across_routed_networks(stage, tmp_path
         assert stage.finish("run", learner, [actor]) == expected
 
 
+@pytest.mark.slow
 def test_train_secures_its_own_children_and_goes_on_secured(stage, tmp_path, expected):
     train = (
         *(ROOT / "deploy" / "train", "--build", authority.Path(LEARNER).parents[1]),

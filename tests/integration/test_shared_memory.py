@@ -40,6 +40,7 @@ def assert_refused(process, *words):
         assert word in process.text, process
 
 
+@pytest.mark.slow
 def test_a_learner_two_actors_and_a_status_fit_into_64_mb_and_give_the_same_weights(stage):
     expected = stage.train("calm")
     with machine("64m") as small:
@@ -97,6 +98,7 @@ class Container:
         return self._mounts.process("unshare", "--pid", "--fork", "--kill-child", *command)
 
 
+@pytest.mark.slow
 def test_containers_that_share_it_may_have_the_same_process_ids(stage):
     expected = stage.train("calm")
     with machine("128m") as small:
@@ -134,6 +136,7 @@ def test_without_room_for_a_learner_and_an_actor_no_run_begins(stage, size):
         assert not files_of(small)
 
 
+@pytest.mark.slow
 def test_where_an_actor_waits_already_a_learner_needs_no_more_than_its_own_room(stage):
     with machine("36m") as small:
         actor = stage.actor("run", *SHM, host=small)
@@ -192,6 +195,7 @@ def test_a_folder_that_is_elsewhere_is_cleaned_too(stage, tmp_path):
         assert not list(elsewhere.iterdir())
 
 
+@pytest.mark.slow
 def test_udp_and_tcp_do_not_need_it(stage):
     for transport in ("udp", "tcp"):
         with machine("64m", "mount -o remount,ro /dev/shm") as small:

@@ -42,6 +42,7 @@ def version(stage):
 
 
 @pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGINT, signal.SIGTERM])
+@pytest.mark.slow
 def test_a_signal_that_was_ignored_at_the_start_does_not_stop_a_run(stage, number):
     launcher = stage.start("env", f"--ignore-signal={number.name[3:]}", *words(stage, small=LONG))
     launcher.expect_text("update    1/")
@@ -74,12 +75,14 @@ def test_where_the_end_of_children_was_ignored_their_exit_codes_count(stage, tmp
     'exec "$@" <&- >&- 2>&-',
     'mkdir aside; cd aside; rmdir ../aside; exec "$@"',
 ], ids=["a reader that left", "no reader", "a full disk", "closed", "a removed folder"])
+@pytest.mark.slow
 def test_what_cannot_be_shown_stops_no_run(stage, tmp_path, script):
     launcher = in_shell(stage, f"cd {tmp_path}; {script}", *words(stage))
     assert launcher.wait() == 0, launcher
     assert version(stage) == UPDATES
 
 
+@pytest.mark.slow
 def test_output_that_nobody_reads_stops_no_run(stage, unread):
     launcher = start_unread(stage, unread, words(stage))
     assert launcher.wait(100) == 0
@@ -87,10 +90,12 @@ def test_output_that_nobody_reads_stops_no_run(stage, unread):
 
 
 @pytest.mark.parametrize("program", ["train", "experiment", "exchange", "security"])
+@pytest.mark.slow
 def test_a_usage_error_that_nobody_reads_ends_with_2(stage, unread, program):
     assert start_unread(stage, unread, [ROOT / "deploy" / program, "--bogus"]).wait(60) == 2
 
 
+@pytest.mark.slow
 def test_ctrl_c_is_served_while_nobody_reads(stage, unread):
     launcher = start_unread(stage, unread, words(stage, small=ENDLESS))
     stage.status("run", "--follow", "--wait", 60).expect(lambda line: '"version":' in line, "the run's state")
@@ -119,6 +124,7 @@ def test_a_terminal_that_stops_background_writers_stops_no_run(stage):
     os.close(master)
 
 
+@pytest.mark.slow
 def test_an_experiment_goes_on_unread_and_unstoppable_by_what_was_ignored(stage, unread, tmp_path):
     file = tmp_path / "e.toml"
     engine = "3.3.0" if BUILD.name.endswith("3.3.0") else "2.2.2"
@@ -135,6 +141,7 @@ def test_an_experiment_goes_on_unread_and_unstoppable_by_what_was_ignored(stage,
     assert (tmp_path / "results" / "small" / "push-ppo-s7" / "run.json").exists()
 
 
+@pytest.mark.slow
 def test_exchanges_go_on_unread_and_a_row_is_written_whole_or_not_at_all(stage, unread, tmp_path):
     stage.train("two", "--heads", "2")
     command = [ROOT / "deploy" / "exchange", stage.latest("two"), "--out", tmp_path / "out", "--episodes", 1,
@@ -148,6 +155,7 @@ def test_exchanges_go_on_unread_and_a_row_is_written_whole_or_not_at_all(stage, 
         assert [row["assignment"] for row in csv.DictReader(file)] == ["0,1", "1,1", "0,0"]
 
 
+@pytest.mark.slow
 def test_identities_are_made_unread(stage, unread, tmp_path):
     command = [ROOT / "deploy" / "security", tmp_path / "made", "--run", "run", "--actors", 1]
     assert start_unread(stage, unread, command).wait(60) == 0
@@ -226,6 +234,7 @@ def test_a_killed_launcher_leaves_a_checkpoint(stage):
     assert version(stage) > 0
 
 
+@pytest.mark.slow
 def test_logs_that_cannot_be_written_stop_no_run(stage):
     (stage.runs / "run").mkdir(parents=True)
     (stage.runs / "run" / "logs").touch()
@@ -234,6 +243,7 @@ def test_logs_that_cannot_be_written_stop_no_run(stage):
     assert version(stage) == UPDATES
 
 
+@pytest.mark.slow
 def test_a_learner_that_does_not_begin_is_told_of_with_its_words(stage):
     build = learner_that(stage, "echo 'lost in thought' >&2; exec sleep 1000")
     launcher = stage.start(*words(stage, build=build))
@@ -243,6 +253,7 @@ def test_a_learner_that_does_not_begin_is_told_of_with_its_words(stage):
     assert launcher.wait(30) == 128 + signal.SIGTERM
 
 
+@pytest.mark.slow
 def test_that_no_actor_has_joined_is_told_with_the_place_to_look(stage):
     build = learner_that(stage, 'exec "$LEARNER" "$@"')
     (build / "bin" / "metronome-actor").unlink()

@@ -2,6 +2,8 @@
 
 import signal
 
+import pytest
+
 from harness import ACTOR, DEADLINE, ENDLESS, LEARNER, SMALL, UPDATES, parse_json
 from unread import start_unread
 
@@ -14,12 +16,14 @@ def start_run(stage, unread, small):
     return [start_unread(stage, unread, command) for command in (learner, actor)]
 
 
+@pytest.mark.slow
 def test_a_run_ends_as_if_somebody_read(stage, unread):
     for child in start_run(stage, unread, SMALL):
         assert child.wait(DEADLINE) == 0
     assert stage.inspect(stage.latest("run"))["version"] == UPDATES
 
 
+@pytest.mark.slow
 def test_ctrl_c_is_served_and_leaves_a_checkpoint(stage, unread):
     running, playing = start_run(stage, unread, ENDLESS)
     watching = stage.status("run", "--follow")
