@@ -129,6 +129,7 @@ def appears(path, seconds=60):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
+@pytest.mark.slow
 def test_a_stopped_render_leaves_no_file_and_no_encoder(fixed, tmp_path, number):
     encoder, videos = tmp_path / "bin" / "ffmpeg", tmp_path / "videos"
     encoder.parent.mkdir()
@@ -162,6 +163,7 @@ with open(sys.argv[-1], "w") as file:
 """
 
 
+@pytest.mark.slow
 def test_an_interrupt_that_was_ignored_at_the_start_ends_no_encoder(fixed, tmp_path):
     encoder, video = tmp_path / "bin" / "ffmpeg", tmp_path / "video.mp4"
     encoder.parent.mkdir()

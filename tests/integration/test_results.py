@@ -57,6 +57,7 @@ def test_two_runs_differ_in_wall_clock_columns_alone(finished, stage):
     assert without_clock(rows(stage, "again")) == without_clock(rows(finished, "whole"))
 
 
+@pytest.mark.slow
 def test_a_resumed_run_cuts_its_logs_and_writes_the_same_ones(finished, stage):
     learner, actor = stage.learner("run"), stage.actor("run")
     learner.expect_update(4)
@@ -109,6 +110,7 @@ def test_evaluation_reads_the_checkpoint_and_repeats_itself(finished):
     assert {"success", "success_end", "return", "engine_trained", "engine_used"} <= set(report)
 
 
+@pytest.mark.slow
 def test_a_resume_after_sigterm_keeps_one_row_an_update(stage):
     learner, actor = stage.learner("run", small=LONG), stage.actor("run")
     learner.expect_update(2)

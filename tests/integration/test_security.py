@@ -337,6 +337,7 @@ def _loosen(folder, identities):
     ids=["nothing", "no key", "no governance", "no certificate", "no permissions", "other key",
          "other permissions", "loosened"],
 )
+@pytest.mark.slow
 def test_an_identity_that_is_not_whole_is_refused_by_file_and_reason(
     stage, identities, tmp_path, spoil, file, words
 ):

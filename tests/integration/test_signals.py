@@ -19,6 +19,7 @@ def actor(stage, run, *before):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.slow
 def test_each_stop_signal_ends_learner_and_actor_and_leaves_a_checkpoint(stage, number):
     running, playing = learner(stage, "run"), actor(stage, "run")
     running.expect_update(2)
@@ -30,6 +31,7 @@ def test_each_stop_signal_ends_learner_and_actor_and_leaves_a_checkpoint(stage, 
 
 
 @pytest.mark.parametrize("ignored, other", [("HUP", "TERM"), ("INT", "TERM"), ("TERM", "INT")])
+@pytest.mark.slow
 def test_a_signal_that_is_ignored_at_the_start_stays_ignored(stage, ignored, other):
     ignoring = ("env", f"--ignore-signal={ignored}")  # as nohup does, and a script of its background jobs
     running, playing = learner(stage, "run", *ignoring), actor(stage, "run", *ignoring)

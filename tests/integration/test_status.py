@@ -2,6 +2,8 @@
 
 import signal
 
+import pytest
+
 from harness import ENDLESS, LEARNER, UPDATES, parse_json
 
 
@@ -9,6 +11,7 @@ def status(stage, run, *options):
     return stage.start(LEARNER, "status", run, "--domain", stage.domain, *options)
 
 
+@pytest.mark.slow
 def test_a_running_run_is_shown_with_its_actors_as_a_table_and_as_json(stage):
     learner = stage.learner("seen", small=ENDLESS)
     actor = stage.actor("seen", "--envs", 2)
@@ -70,6 +73,7 @@ def test_status_takes_the_name_as_an_option_too(stage):
     assert shown.wait() == 0 and "run named " in shown.text, shown
 
 
+@pytest.mark.slow
 def test_a_killed_learner_ends_following_with_3(stage):
     learner = stage.learner("killed")
     learner.expect_event("started")

@@ -94,6 +94,7 @@ def statistics(folder):
     ],
     ids=lambda harm: harm.__name__,
 )
+@pytest.mark.slow
 def test_a_run_ends_with_the_same_weights_and_says_what_is_not_used(
     stage, tmp_path, expected, harm
 ):
@@ -110,6 +111,7 @@ def test_a_run_ends_with_the_same_weights_and_says_what_is_not_used(
 
 
 @pytest.mark.parametrize("transport", ["shm", "tcp"])
+@pytest.mark.slow
 def test_other_transports_keep_clear_of_the_environment_too(stage, tmp_path, expected, transport):
     harmed = Surroundings(tmp_path, **discovery_server(tmp_path))
     way = ("--transport", transport)
