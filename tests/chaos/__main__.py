@@ -3,7 +3,7 @@
     tests/chaos/run [--seeds FIRST-LAST] [--faults N]
 
 Each seed draws its faults and when they begin: actors and the learner killed, stopped, terminated and
-restarted; links cut, narrow, lossy, delaying, reassigning, doubling; a full disk; actors that lie. Every
+restarted; links cut, narrow, lossy, delaying, reordering, doubling; a full disk; actors that lie. Every
 machine is a network namespace of its own, so this needs root.
 """
 

@@ -155,7 +155,7 @@ class BadWire(Fault):
 
     def end(self, team):
         happened = team.set_wire({})
-        self.struck = happened["reassigned"] > 0 and happened["doubled"] > 0
+        self.struck = happened["reordered"] > 0 and happened["doubled"] > 0
 
 
 class DiskFull(Fault):

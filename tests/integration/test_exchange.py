@@ -32,22 +32,22 @@ def exchange(stage, checkpoint, out, *options):
 
 def rows(out):
     with open(out / "two.csv", newline="", encoding="utf-8") as file:
-        return {row["assignment"]: row for row in csv.DictReader(file)}
+        return {row["order"]: row for row in csv.DictReader(file)}
 
 
-def test_the_trained_assignment_asked_for_is_the_policy_as_it_is(stage, checkpoint):
+def test_the_trained_order_asked_for_is_the_policy_as_it_is(stage, checkpoint):
     own = evaluate(stage, checkpoint)
     assert evaluate(stage, checkpoint, "--head-order", "0,1") == own | {"head_order": [0, 1]}
     assert evaluate(stage, checkpoint, "--head-order", "1,1")["return"] != own["return"]
 
 
-@pytest.mark.parametrize("assignment, says", [
+@pytest.mark.parametrize("order, says", [
     ("0", "1 heads for the policy's 2 blocks of time"),
     ("0,2", "no head 2: the policy has 0 to 1"),
     ("0,-1", "--head-order"),
 ])
-def test_an_assignment_that_the_policy_has_not_is_refused(stage, checkpoint, assignment, says):
-    refused = stage.start(ACTOR, "evaluate", "--checkpoint", checkpoint, *EVALUATE, f"--head-order={assignment}")
+def test_an_order_that_the_policy_has_not_is_refused(stage, checkpoint, order, says):
+    refused = stage.start(ACTOR, "evaluate", "--checkpoint", checkpoint, *EVALUATE, f"--head-order={order}")
     assert refused.wait() == 2, refused
     assert "--head-order" in refused.text and says in refused.text
 
@@ -57,8 +57,8 @@ def test_every_exchange_is_evaluated_once(stage, checkpoint, tmp_path):
     assert first.wait() == 0, first
     made = rows(tmp_path)
     assert list(made) == ["0,1", "1,1", "0,0"]
-    for assignment, row in made.items():
-        said = evaluate(stage, checkpoint, "--head-order", assignment)
+    for order, row in made.items():
+        said = evaluate(stage, checkpoint, "--head-order", order)
         assert [float(row[name]) for name in ("success", "return")] == [said["success"], said["return"]]
     # Cut, as by an interruption: only what is missing is made again.
     lines = (tmp_path / "two.csv").read_text().splitlines(keepends=True)

@@ -78,7 +78,7 @@ def test_the_episode_drawn_is_the_one_that_evaluate_plays(checkpoint, tmp_path, 
     assert drawn == evaluated_return(checkpoint, "--episodes", "1", *options)  # to the bit
 
 
-def test_episodes_are_those_of_evaluate_in_assignment(checkpoint, tmp_path):
+def test_episodes_are_those_of_evaluate_in_order(checkpoint, tmp_path):
     table = tmp_path / "path.csv"
     returns = [
         played_return(render(checkpoint, "--csv", table, "--episode", str(number)))

@@ -149,10 +149,10 @@ def test_exchanges_go_on_unread_and_a_row_is_written_whole_or_not_at_all(stage, 
     limited = stage.start("prlimit", "--fsize=300", *command)
     assert limited.wait() == 1, limited
     with open(tmp_path / "out" / "latest.csv", newline="") as file:
-        assert [row["assignment"] for row in csv.DictReader(file)] == ["0,1"]
+        assert [row["order"] for row in csv.DictReader(file)] == ["0,1"]
     assert start_unread(stage, unread, command).wait(100) == 0
     with open(tmp_path / "out" / "latest.csv", newline="") as file:
-        assert [row["assignment"] for row in csv.DictReader(file)] == ["0,1", "1,1", "0,0"]
+        assert [row["order"] for row in csv.DictReader(file)] == ["0,1", "1,1", "0,0"]
 
 
 @pytest.mark.slow

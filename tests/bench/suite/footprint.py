@@ -1,4 +1,4 @@
-"""An actor's needs: memory by environment envs, and time until it plays and has played."""
+"""An actor's needs: memory by envs, and time until it plays and has played."""
 
 import time
 

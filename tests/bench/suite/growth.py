@@ -50,7 +50,7 @@ def _intake(options, transport, processes, envs, share, put):
     seconds = row["wall_collect_seconds"]
     put(case, "intake", "MB/s", row["wall_bytes_received"] / 1e6 / seconds)
     put(case, "episodes", "1/s", episodes / seconds)
-    put(case, "repeated", "assignments", row["wall_assignments_repeated"])
+    put(case, "repeated", "assignments", row["wall_episodes_reassigned"])
     put(case, "CPU", "ms of the actors' an episode", 1e3 * cpu / episodes)
 
 
