@@ -27,10 +27,12 @@ def test_two_actors_give_the_weights_of_one(stage, expected):
     assert stage.train("run", actors=2) == expected
 
 
+@pytest.mark.slow
 def test_three_actors_give_the_weights_of_one(stage, expected):
     assert stage.train("run", actors=3) == expected
 
 
+@pytest.mark.slow
 def test_two_episodes_at_once_in_an_actor_give_the_weights_of_one(stage, expected):
     assert stage.train("run", actor_options=("--envs", "2")) == expected
 
@@ -44,11 +46,13 @@ def test_one_learner_thread_gives_the_weights_of_all_cores(stage, expected):
     assert stage.train("run", "--set", "runtime.learner_threads=1") == expected
 
 
+@pytest.mark.slow
 def test_another_seed_gives_other_weights(stage, expected):
     small = tuple("8" if word == "7" else word for word in SMALL)
     assert stage.train("run", small=small) != expected
 
 
+@pytest.mark.slow
 def test_an_actor_started_before_the_learner_joins_it(stage, expected):
     actor = stage.actor("run")
     actor.expect_text("learner")

@@ -52,6 +52,7 @@ def test_an_order_that_the_policy_has_not_is_refused(stage, checkpoint, order, s
     assert "--head-order" in refused.text and says in refused.text
 
 
+@pytest.mark.slow
 def test_every_exchange_is_evaluated_once(stage, checkpoint, tmp_path):
     first = exchange(stage, checkpoint, tmp_path)
     assert first.wait() == 0, first
@@ -68,6 +69,7 @@ def test_every_exchange_is_evaluated_once(stage, checkpoint, tmp_path):
     assert rows(tmp_path) == made and again.text.count("success") == 1, again
 
 
+@pytest.mark.slow
 def test_rows_of_another_evaluation_are_not_mixed(stage, checkpoint, tmp_path):
     assert exchange(stage, checkpoint, tmp_path).wait() == 0
     before = (tmp_path / "two.csv").read_bytes()

@@ -296,6 +296,7 @@ def test_a_done_cell_of_other_settings_is_not_taken_for_the_one_asked(stage):
         expect_other_settings(place, *change)
 
 
+@pytest.mark.slow
 def test_a_run_that_fails_is_named_and_the_others_are_made(stage):
     place = Place(stage)
     broken = place.runs / "small" / "push-multihead-s7" / "checkpoints"

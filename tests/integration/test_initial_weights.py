@@ -86,6 +86,7 @@ def test_a_run_goes_on_with_no_other_weights_than_it_began_with(stage, source):
     assert f"policy.initial_weights: the run has none, asked for {source}" in other.text, other
 
 
+@pytest.mark.slow
 def test_the_launcher_takes_it_and_its_own_word_of_how_to_go_on(stage, source, expected):
     words = (ROOT / "deploy" / "train", *NEXT[1:], "--build", BUILD, "--runs", stage.runs, "--domain", stage.domain)
     missing = stage.start(*words, "--run", "run", "--from", source.with_name("none.ckpt"))

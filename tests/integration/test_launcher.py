@@ -242,6 +242,7 @@ def test_a_killed_launcher_leaves_no_orphans(stage):
         os.close(child)
 
 
+@pytest.mark.slow
 def test_a_killed_actor_is_started_again(stage):
     launcher = train(stage, "--run", "run", actors=1, small=LONG)
     launcher.expect_text("update    1/")

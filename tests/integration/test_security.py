@@ -71,6 +71,7 @@ def whole_identities(folder):
 
 
 @pytest.mark.parametrize("writes", [0, 2, 4, 6, 10, 13, 17])
+@pytest.mark.slow
 def test_credentials_whose_making_was_stopped_are_gone_on_with(tmp_path, monkeypatch, writes):
     folder, done = tmp_path / "identities", []
 
@@ -427,6 +428,7 @@ def test_keys_are_for_their_owner_alone_and_authorities_stay_apart(identities):
     assert stat.S_IMODE((identities / authority.FOLDER).stat().st_mode) == 0o700
 
 
+@pytest.mark.slow
 def test_identities_are_added_and_renewed_and_never_mixed(identities, tmp_path):
     def certificate(name):
         return (identities / name / authority.CERTIFICATE).read_bytes()

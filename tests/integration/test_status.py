@@ -34,6 +34,7 @@ def test_a_running_run_is_shown_with_its_actors_as_a_table_and_as_json(stage):
     assert parse_json(follower.output[-1])["state"] == "stopped"
 
 
+@pytest.mark.slow
 def test_following_ends_with_the_run(stage):
     learner = stage.learner("ends")
     learner.expect_event("started")

@@ -147,6 +147,7 @@ def test_fast_dds_is_given_nothing_and_asks_for_no_more_than_is_taken_from_it(st
         assert asked == expected, process
 
 
+@pytest.mark.slow
 def test_the_servers_of_the_options_are_those_that_count(stage, tmp_path, expected):
     port = 12000 + stage.domain
     server = stage.start("fast-discovery-server", "-i", "0", "-l", "127.0.0.1", "-p", port)
