@@ -245,7 +245,7 @@ def _show_help(parser, build):
     learner = (build or place.BUILD) / "bin" / "metronome-learner"
     if os.path.isfile(learner):
         said = subprocess.run([learner, "run", "--help"], capture_output=True, text=True)
-        ours = re.compile(rf" +(-h|--task|--run|--resume|--security|{'|'.join(SET_HERE)})\b")
+        ours = re.compile(rf" +(-h|--task|--runs?|--resume|--security|{'|'.join(SET_HERE)})\b")
         lines = said.stdout.partition("Options:\n")[2].splitlines()
         print("\noptions of the learner:", *(line for line in lines if not ours.match(line)), sep="\n")
 
