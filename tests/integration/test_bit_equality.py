@@ -23,6 +23,7 @@ def expected_overlapping(module_stage):
     return module_stage.train("overlapping", *OVERLAP, small=LONG)
 
 
+@pytest.mark.slow
 def test_two_actors_give_the_weights_of_one(stage, expected):
     assert stage.train("run", actors=2) == expected
 
@@ -42,6 +43,7 @@ def test_shared_memory_gives_the_weights_of_udp(stage, expected):
     assert stage.train("run", *shm, actors=2, actor_options=shm) == expected
 
 
+@pytest.mark.slow
 def test_one_learner_thread_gives_the_weights_of_all_cores(stage, expected):
     assert stage.train("run", "--set", "runtime.learner_threads=1") == expected
 

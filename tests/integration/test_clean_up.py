@@ -16,6 +16,7 @@ def files():
     return {f.name for f in MEMORY.iterdir() if "fastrtps_" in f.name or "metronome-" in f.name}
 
 
+@pytest.mark.slow
 def test_nothing_is_left_of_a_run_that_ends(stage):
     before = files()
     stage.train("run", *SHM, actors=2, actor_options=SHM)
@@ -37,6 +38,7 @@ def test_what_killed_processes_of_a_run_left_is_removed_when_the_run_goes_on(sta
     assert files() <= before, files() - before
 
 
+@pytest.mark.slow
 def test_what_belongs_to_other_runs_stays(stage):
     before = files()
     # One that lives, of a run whose name begins alike, and one that was killed.
@@ -55,6 +57,7 @@ def test_what_belongs_to_other_runs_stays(stage):
     assert files() <= before
 
 
+@pytest.mark.slow
 def test_a_note_cannot_be_used_to_remove_other_files(stage):
     victim = MEMORY / "metronome-test-victim"
     victim.touch()

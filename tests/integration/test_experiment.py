@@ -96,6 +96,7 @@ def test_it_makes_every_cell_once(stage):
     assert listed.wait() == 0 and listed.text.count("done") == 2, listed
 
 
+@pytest.mark.slow
 def test_runs_on_one_placement_are_evaluated_on_it(stage):
     text = FILE.replace('["random", "mt1"]', '["fixed"]').replace("[set]", '[set]\n"environment.placements" = "fixed"')
     place = Place(stage, text=text)

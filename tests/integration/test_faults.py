@@ -80,6 +80,7 @@ def test_an_actor_that_stays_serves_the_next_run_of_that_name(stage):
     actor.wait(10)
 
 
+@pytest.mark.slow
 def test_an_actor_of_another_domain_is_not_seen(stage):
     learner = stage.learner("run")
     learner.expect_event("started")

@@ -91,6 +91,7 @@ def test_resuming_what_is_finished_starts_no_actor(stage):
     assert log.read_text() == said
 
 
+@pytest.mark.slow
 def test_no_more_actors_start_than_can_have_something_to_play(stage):
     cores = len(os.sched_getaffinity(0))
     if cores < 2:
@@ -283,6 +284,7 @@ def test_without_its_programs_a_build_is_refused(stage, tmp_path):
     assert f"there is no {tmp_path}/bin/metronome-learner" in launcher.text, launcher
 
 
+@pytest.mark.slow
 def test_printed_commands_can_be_typed(stage, tmp_path):
     stage.runs = tmp_path / "my runs"
     launcher = train(stage, "--run", "run", small=ENDLESS)

@@ -228,6 +228,7 @@ class Preloaded:
         return ("env", f"LD_PRELOAD={self.library}", *command)
 
 
+@pytest.mark.slow
 def test_over_tcp_a_learner_that_answers_at_once_is_heard(stage):
     loopback = ("--transport", "tcp")
     learner = stage.learner("run", *loopback, small=ENDLESS)

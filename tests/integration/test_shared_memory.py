@@ -54,6 +54,7 @@ def test_a_learner_two_actors_and_a_status_fit_into_64_mb_and_give_the_same_weig
         assert not files_of(small)
 
 
+@pytest.mark.slow
 def test_of_actors_that_start_at_once_those_run_that_fit_and_the_others_are_refused(stage):
     with machine("64m") as small:
         learner = stage.learner("run", *SHM, small=ENDLESS, host=small)

@@ -55,6 +55,7 @@ def test_a_learner_that_is_not_there_ends_with_3_and_what_to_try(stage):
         assert words in nobody.text
 
 
+@pytest.mark.slow
 def test_an_actor_that_hears_no_learner_says_early_what_to_try(stage):
     learner = stage.learner("near", small=ENDLESS)
     learner.expect_event("started")
