@@ -1,6 +1,6 @@
 """As many actor processes as a machine of a group may have, on this one."""
 
-EPISODES, HORIZON, UPDATES, ACTORS = 64, 50, 4, 64
+EPISODES, HORIZON, UPDATES, ACTORS = 64, 50, 12, 64
 SETTINGS = (
     *("--task", "push", "--seed", "7", "--horizon", str(HORIZON)),
     *("--steps", str(EPISODES * HORIZON * UPDATES), "--set", "ppo.minibatch=400"),
@@ -10,8 +10,8 @@ SETTINGS = (
 
 def run(stage, name, actors):
     """@return weights_sha256 and the learner, whose actors were all there from the first assignment on."""
+    team = [stage.actor(name) for _ in range(actors)]  # first: else those of a busy machine come when the run is over
     learner = stage.learner(name, small=SETTINGS)
-    team = [stage.actor(name) for _ in range(actors)]
     assert learner.wait() == 0, learner
     for actor in team:
         assert actor.wait() == 0, actor
