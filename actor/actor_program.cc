@@ -25,9 +25,9 @@
 #include "common/process/exit_codes.h"
 #include "common/process/ignored_signals.h"
 #include "common/process/logging.h"
-#include "common/process/mutex.h"
 #include "common/process/process_identity.h"
 #include "common/process/signal_watch.h"
+#include "common/process/stop_target.h"
 
 namespace metronome::actor {
 namespace {
@@ -65,30 +65,6 @@ int StatusOf(client::ActorEnd end, int signal) {
   return process::kExitFailure;
 }
 
-/// The client that a signal stops, while there is one.
-class StopTarget {
- public:
-  void Set(client::ActorClient* client) {
-    const process::MutexLock lock(mutex_);
-    client_ = client;
-    if (client_ != nullptr && signal_ != 0) client_->Stop();
-  }
-  void Signal(int number) {
-    const process::MutexLock lock(mutex_);
-    signal_ = number;
-    if (client_ != nullptr) client_->Stop();
-  }
-  int signal() const {
-    const process::MutexLock lock(mutex_);
-    return signal_;
-  }
-
- private:
-  mutable process::Mutex mutex_;
-  client::ActorClient* client_ METRONOME_GUARDED_BY(mutex_) = nullptr;
-  int signal_ METRONOME_GUARDED_BY(mutex_) = 0;
-};
-
 /// @throws SetUpFailed for what options or this machine do not allow.
 std::unique_ptr<ActorBus> MakeBus(const BusOptions& options, std::uint64_t actor_id) {
   try {
@@ -102,12 +78,12 @@ int Serve(const JoinOptions& options, const environment::EnvironmentRegistry& re
   if (const auto warning = process::TooManyThreads(options.envs, "--envs"))
     spdlog::warn("{}", *warning);
   const client::ActorClientOptions client_options = ClientOptions(options);
-  StopTarget target;
+  process::StopTarget target;
   // Before the bus, whose threads must inherit the blocked signals.
   const process::SignalWatch signals([&target](int number) { target.Signal(number); });
   const auto bus = MakeBus(options.bus, client_options.actor_id);
   client::ActorClient client(bus.get(), play::SetUpWith(registry), client_options);
-  target.Set(&client);
+  target.Set([&client](int) { client.Stop(); });
   const auto clear = [&target](client::ActorClient*) { target.Set(nullptr); };
   const std::unique_ptr<client::ActorClient, decltype(clear)> set(&client, clear);
   const client::ActorEnd end = client.Run();

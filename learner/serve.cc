@@ -18,10 +18,10 @@
 #include "common/process/cpu_times.h"
 #include "common/process/ignored_signals.h"
 #include "common/process/logging.h"
-#include "common/process/mutex.h"
 #include "common/process/output_thread.h"
 #include "common/process/process_identity.h"
 #include "common/process/signal_watch.h"
+#include "common/process/stop_target.h"
 #include "learner/collect/trust/excluded_hosts.h"
 #include "learner/exit_code.h"
 #include "learner/record/file_run_record.h"
@@ -33,26 +33,6 @@
 
 namespace metronome::learner {
 namespace {
-
-/// The coordinator that a signal stops, while there is one. Thread-safe.
-class StopTarget {
- public:
-  void Set(run::Coordinator* coordinator) {
-    const process::MutexLock lock(mutex_);
-    coordinator_ = coordinator;
-    if (coordinator_ != nullptr && signal_ != 0) coordinator_->RequestStop(signal_);
-  }
-  void Signal(int signal) {
-    const process::MutexLock lock(mutex_);
-    signal_ = signal;
-    if (coordinator_ != nullptr) coordinator_->RequestStop(signal);
-  }
-
- private:
-  process::Mutex mutex_;
-  run::Coordinator* coordinator_ METRONOME_GUARDED_BY(mutex_) = nullptr;
-  int signal_ METRONOME_GUARDED_BY(mutex_) = 0;
-};
 
 std::string HostAndProcess() {
   return "on " + process::HostName() + ", process " + std::to_string(getpid());
@@ -195,7 +175,8 @@ std::unique_ptr<watch::MetricsServer> MetricsServerOf(const RunConfig& config) {
   return std::make_unique<watch::MetricsServer>(text::ParseListenAddress(address));
 }
 
-int Serve(const RunOptions& options, const algorithm::Algorithms& algorithms, StopTarget& target) {
+int Serve(const RunOptions& options, const algorithm::Algorithms& algorithms,
+          process::StopTarget& target) {
   const algorithm::AlgorithmFactory& factory = algorithm::FactoryOf(algorithms, options.config);
   const BusOptions bus_options = BusOptionsOf(options);
   dds::CheckMachineOfLearner(bus_options);
@@ -219,7 +200,7 @@ int Serve(const RunOptions& options, const algorithm::Algorithms& algorithms, St
   const auto bus = dds::MakeDdsLearnerBus(bus_options);
   run::BackgroundThread background("update");
   run::Coordinator coordinator(setup, *bus, *algorithm, record, background);
-  target.Set(&coordinator);
+  target.Set([&coordinator](int signal) { coordinator.RequestStop(signal); });
   SayHowToWatch(options);
   const auto clear = [&target](run::Coordinator*) { target.Set(nullptr); };
   const std::unique_ptr<run::Coordinator, decltype(clear)> set(&coordinator, clear);
@@ -234,7 +215,7 @@ int ServeRun(const RunOptions& options, const algorithm::Algorithms& algorithms)
   process::SetUpLogging("learner", options.log);
   for (const std::string& warning : options.warnings) spdlog::warn("{}", warning);
   process::IgnoreLostReaders();
-  StopTarget target;
+  process::StopTarget target;
   // Before the bus and the trainer, whose threads must inherit the blocked signals.
   const process::SignalWatch signals([&target](int signal) { target.Signal(signal); });
   return CodeOfStart([&] { return Serve(options, algorithms, target); });

@@ -9,22 +9,17 @@
 #include <random>
 #include <set>
 
+#include "tests/unit/support/assignment_rules.h"
+
 namespace metronome::collect::assignments {
 namespace {
 
 using std::chrono::milliseconds;
+using test::Rules;
 using Standing = NumberBook::Claim::Standing;
 using Numbers = std::vector<std::uint64_t>;
 
 AssignmentPlan::TimePoint At(int ms) { return AssignmentPlan::TimePoint{} + milliseconds(ms); }
-
-AssignmentRules Rules(std::uint64_t episodes, std::uint64_t updates, std::uint64_t overlap = 0) {
-  AssignmentRules rules;
-  rules.episodes_per_update = episodes;
-  rules.updates_total = updates;
-  rules.overlap = overlap;
-  return rules;
-}
 
 Numbers NumbersOf(const std::vector<Handout>& plan, std::uint64_t actor) {
   Numbers numbers;

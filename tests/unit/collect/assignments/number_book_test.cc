@@ -4,18 +4,13 @@
 
 #include <stdexcept>
 
+#include "tests/unit/support/assignment_rules.h"
+
 namespace metronome::collect::assignments {
 namespace {
 
+using test::Rules;
 using Standing = NumberBook::Claim::Standing;
-
-AssignmentRules Rules(std::uint64_t episodes, std::uint64_t updates, std::uint64_t overlap = 0) {
-  AssignmentRules rules;
-  rules.episodes_per_update = episodes;
-  rules.updates_total = updates;
-  rules.overlap = overlap;
-  return rules;
-}
 
 Standing StandingOf(const NumberBook& book, std::uint64_t number, std::uint64_t actor) {
   return book.ClaimOf(number, actor).standing;
