@@ -87,7 +87,7 @@ std::string NetworkOfActors(const RuntimeConfig& runtime) {
 /// The options by which actors and observers find the run.
 std::string HowToFind(const RunOptions& options) {
   const RuntimeConfig& runtime = options.config.runtime();
-  std::string words = " --run " + options.run;
+  std::string words;
   if (runtime.domain() != 0) words += " --domain " + std::to_string(runtime.domain());
   if (runtime.transport() != "udp") words += " --transport " + runtime.transport();
   if (runtime.network() != "loopback") words += " --network " + NetworkOfActors(runtime);
@@ -99,7 +99,7 @@ std::string HowToFind(const RunOptions& options) {
 
 void SayHowToWatch(const RunOptions& options) {
   const bool secured = !options.config.runtime().security().empty();
-  spdlog::info("watch it with: metronome-learner status{}{}", HowToFind(options),
+  spdlog::info("watch it with: metronome-learner status {}{}{}", options.run, HowToFind(options),
                secured ? " --security DIR/observer" : "");
 }
 
@@ -128,7 +128,7 @@ run::CoordinatorSetup SetupOf(const RunOptions& options, const run::RunStart& st
   setup.checkpoint_every = static_cast<std::uint64_t>(config.runtime().checkpoint_every());
   setup.milestone_every = static_cast<std::uint64_t>(config.runtime().milestone_every());
   setup.resumed = start.resumed;
-  setup.how_to_join = "metronome-actor run" + HowToFind(options);
+  setup.how_to_join = "metronome-actor run --run " + options.run + HowToFind(options);
   if (!config.runtime().security().empty()) setup.how_to_join += " --security DIR/ACTOR";
   return setup;
 }

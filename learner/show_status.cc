@@ -34,8 +34,10 @@ int Watch(const StatusOptions& options) {
   const auto ending =
       watch::ShowLearner(*bus, Clock::now() + wait, {options.json, options.follow}, std::cout);
   if (ending) return *ending;
-  spdlog::error("no learner of run {} is heard within {} s: {}", options.run, options.wait_seconds,
-                WhyNoLearner(bus_options, options.network));
+  spdlog::error(
+      "no learner of run {0} is heard within {1} s: {2}. Where its folder is, metronome-learner "
+      "inspect runs/{0}/checkpoints/latest shows how far a run came that is over",
+      options.run, options.wait_seconds, WhyNoLearner(bus_options, options.network));
   return process::kExitNoLearner;
 }
 

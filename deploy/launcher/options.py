@@ -123,7 +123,7 @@ def _parser():
         "--run",
         type=_run_name,
         metavar="NAME",
-        help="the run's name (default: a new one from task, what of --method and --seed is given, and time)",
+        help="the run's name (default: a new one from task or the first --config, what of --method and --seed is given, and time)",
     )
     parser.add_argument(
         "--resume", action="store_true", help="go on with --run from its newest checkpoint"
@@ -186,9 +186,9 @@ def given(options, name):
 
 
 def _fresh_name(options):
-    seed = given(options, "--seed")
+    seed, config = given(options, "--seed"), given(options, "--config")
     parts = (
-        options.task or "run",
+        options.task or (Path(config).stem if config else "run"),
         given(options, "--method"),
         seed and f"s{seed}",
         time.strftime("%Y%m%d-%H%M%S"),
@@ -326,9 +326,9 @@ WAYS = {"domain": 0, "transport": "udp", "network": "loopback", "discovery-serve
 
 
 def _joining(options, started, identity):
-    """The options by which a process of this machine joins the run; `started` is what the learner said when it
-    accepted the run, `identity` the process's, where the run is secured."""
-    words = ["--run", options.run]
+    """The options by which a process of this machine joins the run, beside its name; `started` is what the learner
+    said when it accepted the run, `identity` the process's, where the run is secured."""
+    words = []
     for name, default in WAYS.items():
         value = started[name.replace("-", "_")]
         if value != default:
@@ -341,7 +341,7 @@ def _joining(options, started, identity):
 def actor_command(options, index, started):
     """An actor's command line."""
     program = str(options.build / "bin" / "metronome-actor")
-    return [program, "run", "--envs", str(options.envs), *_joining(options, started, f"actor-{index}")]
+    return [program, "run", "--envs", str(options.envs), "--run", options.run, *_joining(options, started, f"actor-{index}")]
 
 
 def _typed(options, program, *words):
@@ -350,12 +350,12 @@ def _typed(options, program, *words):
 
 def join_command(options, started):
     """The command that starts an actor on this machine."""
-    return _typed(options, "metronome-actor", "run", *_joining(options, started, "actor-0"))
+    return _typed(options, "metronome-actor", "run", "--run", options.run, *_joining(options, started, "actor-0"))
 
 
 def watch_command(options, started):
     """The command that shows the run from this machine."""
-    return _typed(options, "metronome-learner", "status", *_joining(options, started, "observer"))
+    return _typed(options, "metronome-learner", "status", options.run, *_joining(options, started, "observer"))
 
 
 def resume_command(options):
