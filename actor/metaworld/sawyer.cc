@@ -10,9 +10,10 @@
 namespace metronome::metaworld {
 namespace {
 
-constexpr int kHandInitialisation = 50;  // control steps
-constexpr float kActionScale = 0.01F;    // metres of mocap motion per unit of action
-constexpr int kObjectQpos = 9;  // the object's free joint follows 7 arm and 2 finger joints
+constexpr int kHandInitialisation = 50;                                   // control steps
+constexpr int kShared = kHandInitialisation * engine::kPhysicsSteps - 1;  // substeps of it
+constexpr float kActionScale = 0.01F;  // metres of mocap motion per unit of action
+constexpr int kObjectQpos = 9;         // a free joint that follows 7 arm and 2 finger joints
 constexpr int kObjectQvel = 9;
 constexpr std::array<double, 4> kMocapQuaternion = {1, 0, 1, 0};  // un-normalised, as official
 
@@ -35,17 +36,41 @@ bool Inside(const RandVec& p, const RandVec& low, const RandVec& high) {
   return true;
 }
 
+/// Quaternion (x, y, z, w) of a row-major rotation matrix in scipy's way: the largest of diagonal
+/// and trace decides the formula, no sign rule.
+Eigen::Vector4d QuaternionXyzw(const double* m) {
+  const auto at = [m](int row, int column) { return m[3 * row + column]; };
+  const double trace = at(0, 0) + at(1, 1) + at(2, 2);
+  int choice = 0;
+  for (int i = 1; i < 3; ++i)
+    if (at(i, i) > at(choice, choice)) choice = i;
+  Eigen::Vector4d q;
+  if (trace > at(choice, choice)) {
+    q << at(2, 1) - at(1, 2), at(0, 2) - at(2, 0), at(1, 0) - at(0, 1), 1 + trace;
+  } else {
+    const int i = choice, j = (i + 1) % 3, k = (i + 2) % 3;
+    q[i] = 1 - trace + 2 * at(i, i);
+    q[j] = at(j, i) + at(i, j);
+    q[k] = at(k, i) + at(i, k);
+    q[3] = at(k, j) - at(j, k);
+  }
+  return q / std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+}
+
+Box GoalBox(const TaskSpec& task) {
+  return task.goal_box.value_or(Box{GoalOf(task.low), GoalOf(task.high)});
+}
+
 }  // namespace
 
-SawyerEnvironment::SawyerEnvironment(const TaskSpec& task, const EnvironmentOptions& options,
-                                     const HandSettings& hand)
+SawyerEnvironment::SawyerEnvironment(const TaskSpec& task, const EnvironmentOptions& options)
     : scene_(engine::Scene::Load(options.assets.empty() ? DefaultAssetsPath() : options.assets,
                                  task.scene)),
-      model_(scene_->CopyModel()),
+      model_(scene_->model()),
       data_(scene_->MakeData()),
       task_(task),
       options_(options),
-      hand_settings_(hand),
+      goal_box_(GoalBox(task)),
       stepper_(*model_) {
   mocap_ = model_->body_mocapid[Body("mocap")];
   hand_ = Body("hand");
@@ -55,40 +80,43 @@ SawyerEnvironment::SawyerEnvironment(const TaskSpec& task, const EnvironmentOpti
   left_pad_ = Body("leftpad");
   right_tip_ = Site("rightEndEffector");
   left_tip_ = Site("leftEndEffector");
+  right_pad_geom_ = Geom("rightpad_geom");
+  left_pad_geom_ = Geom("leftpad_geom");
 }
 
 Observation SawyerEnvironment::Reset(const RandVec& placement) {
-  EditModel(placement);
-  if (!hand_settings_.settles_alike || !Inside(placement, task_.low, task_.high))
+  if (!task_.hand.settles_alike || !Inside(placement, task_.low, task_.high))
     return ResetAfresh(placement);
-  const mjData& settled = scene_->Settled([this](const mjModel& model, mjData& data) {
-    engine::ControlStepper stepper(model);
-    InitialiseHand(stepper, model, data);
+  const mjData& settled = scene_->Settled(task_.name, [this](mjData& data) {
+    EditModel(task_.low);  // any other placement would do
+    InitialiseHand(data);
   });
+  EditModel(placement);
   mj_copyData(data_.get(), model_.get(), &settled);
   return FinishReset(placement);
 }
 
 Observation SawyerEnvironment::ResetAfresh(const RandVec& placement) {
   EditModel(placement);
-  InitialiseHand(stepper_, *model_, *data_);
+  InitialiseHand(*data_);
   return FinishReset(placement);
 }
 
-void SawyerEnvironment::InitialiseHand(engine::ControlStepper& stepper, const mjModel& model,
-                                       mjData& data) const {
-  mj_resetData(&model, &data);
-  stepper.Begin(data);
-  for (int i = 0; i < kHandInitialisation; ++i) {
-    std::copy_n(hand_settings_.initial.data(), 3, data.mocap_pos + 3 * mocap_);
-    std::copy(kMocapQuaternion.begin(), kMocapQuaternion.end(), data.mocap_quat + 4 * mocap_);
-    data.ctrl[0] = -1;
-    data.ctrl[1] = 1;
-    stepper.Steps(data, engine::kPhysicsSteps);
-  }
+/// All of it but the last substep: what that leaves behind - positions one substep old, which some
+/// resets show - has to have the fixed bodies where this episode's placement puts them.
+void SawyerEnvironment::InitialiseHand(mjData& data) {
+  mj_resetData(model_.get(), &data);
+  stepper_.Begin(data);
+  std::copy_n(task_.hand.initial.data(), 3, data.mocap_pos + 3 * mocap_);
+  std::copy(kMocapQuaternion.begin(), kMocapQuaternion.end(), data.mocap_quat + 4 * mocap_);
+  data.ctrl[0] = -1;
+  data.ctrl[1] = 1;
+  stepper_.Steps(data, kShared);
 }
 
 Observation SawyerEnvironment::FinishReset(const RandVec& placement) {
+  stepper_.PlaceFixedBodies(*data_);
+  stepper_.Steps(*data_, 1);
   tcp_init_ = Tcp();  // no mj_forward before: one physics step old, as in the official environment
   PlaceObject(placement);
   steps_ = 0;
@@ -118,8 +146,8 @@ void SawyerEnvironment::MoveMocap(const Action& action) {
   double* position = data_->mocap_pos + 3 * mocap_;
   for (int i = 0; i < 3; ++i) {
     const float delta = std::clamp(action[i], -1.0F, 1.0F) * kActionScale;  // float32, as official
-    position[i] = std::clamp(position[i] + static_cast<double>(delta), hand_settings_.low[i],
-                             hand_settings_.high[i]);
+    position[i] =
+        std::clamp(position[i] + static_cast<double>(delta), task_.hand.low[i], task_.hand.high[i]);
   }
   std::copy(kMocapQuaternion.begin(), kMocapQuaternion.end(), data_->mocap_quat + 4 * mocap_);
 }
@@ -143,11 +171,13 @@ SawyerEnvironment::Frame SawyerEnvironment::CurrentFrame() const {
   Frame frame{};
   const Eigen::Vector3d hand = BodyPosition(hand_);
   const double opening = Norm(BodyPosition(right_claw_) - BodyPosition(left_claw_));
-  const ObjectPose object = Object();
+  const ObjectPose object = Object(), second = SecondObject();
   std::copy_n(hand.data(), 3, frame.begin());
   frame[3] = std::clamp(opening / 0.1, 0.0, 1.0);  // claws are at most about 0.1 m apart
   std::copy_n(object.position.data(), 3, frame.begin() + 4);
   std::copy_n(object.quaternion.data(), 4, frame.begin() + 7);
+  std::copy_n(second.position.data(), 3, frame.begin() + 11);
+  std::copy_n(second.quaternion.data(), 4, frame.begin() + 14);
   return frame;
 }
 
@@ -166,31 +196,90 @@ void SawyerEnvironment::Clip(Observation& observation) const {
       number = std::clamp(number, kFrameLow[i], kFrameHigh[i]);
     }
   if (!options_.goal_visible) return;
-  for (std::size_t i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i) {
     double& number = observation[2 * kFrameSize + i];
-    number = std::clamp(number, task_.low[3 + i], task_.high[3 + i]);
+    number = std::clamp(number, goal_box_.low[i], goal_box_.high[i]);
   }
 }
 
-void SawyerEnvironment::SetObject(const Eigen::Vector3d& position) {
-  std::copy_n(position.data(), 3, data_->qpos + kObjectQpos);
-  std::fill_n(data_->qvel + kObjectQvel, 6, 0.0);
-  mj_forward(model_.get(), data_.get());
+void SawyerEnvironment::MoveBody(int body, const Eigen::Vector3d& position) {
+  std::copy_n(position.data(), 3, model_->body_pos + 3 * body);
+}
+
+void SawyerEnvironment::MoveSite(int site, const Eigen::Vector3d& position) {
+  std::copy_n(position.data(), 3, model_->site_pos + 3 * site);
+}
+
+void SawyerEnvironment::SetQpos(int address, std::initializer_list<double> numbers) {
+  std::copy(numbers.begin(), numbers.end(), data_->qpos + address);
+}
+
+void SawyerEnvironment::Stop(int address, int count) {
+  std::fill_n(data_->qvel + address, count, 0.0);
+}
+
+void SawyerEnvironment::Forward() { mj_forward(model_.get(), data_.get()); }
+
+void SawyerEnvironment::SetFreeObject(const Eigen::Vector3d& position) {
+  SetQpos(kObjectQpos, {position.x(), position.y(), position.z()});
+  Stop(kObjectQvel, 6);
+  Forward();
+}
+
+CagingState SawyerEnvironment::CagingAt(const Eigen::Vector3d& object) const {
+  return {BodyPosition(left_pad_).y(),
+          BodyPosition(right_pad_).y(),
+          Tcp(),
+          object,
+          tcp_init_,
+          object_init_};
 }
 
 Scalar SawyerEnvironment::Caging(const Eigen::Vector3d& object, const CagingShape& shape,
                                  float gripper) const {
-  return metaworld::Caging({BodyPosition(left_pad_).y(), BodyPosition(right_pad_).y(), Tcp(),
-                            object, tcp_init_, object_init_},
-                           shape, gripper);
+  return metaworld::Caging(CagingAt(object), shape, gripper);
+}
+
+bool SawyerEnvironment::Pinched(int geom) const {
+  return NormalForce(left_pad_geom_, geom) > 0 && NormalForce(right_pad_geom_, geom) > 0;
+}
+
+/// Sum of the normal contact forces between `pad` and `geom`, newton.
+double SawyerEnvironment::NormalForce(int pad, int geom) const {
+  double force = 0;
+  for (int i = 0; i < data_->ncon; ++i) {
+    const mjContact& contact = data_->contact[i];
+    const bool both = (contact.geom1 == pad && contact.geom2 == geom) ||
+                      (contact.geom2 == pad && contact.geom1 == geom);
+    if (both && contact.efc_address >= 0) force += data_->efc_force[contact.efc_address];
+  }
+  return force;
 }
 
 Eigen::Vector4d SawyerEnvironment::BodyQuaternion(int body) const {
   return Eigen::Map<const Eigen::Vector4d>(data_->xquat + 4 * body);
 }
 
+Eigen::Vector4d SawyerEnvironment::BodyMatrixQuaternion(int body) const {
+  return QuaternionXyzw(data_->xmat + 9 * body);
+}
+
+Eigen::Vector4d SawyerEnvironment::SiteQuaternion(int site) const {
+  return QuaternionXyzw(data_->site_xmat + 9 * site);
+}
+
+Eigen::Vector4d SawyerEnvironment::GeomQuaternion(int geom) const {
+  return QuaternionXyzw(data_->geom_xmat + 9 * geom);
+}
+
 Eigen::Vector3d SawyerEnvironment::Tcp() const {
   return (SitePosition(right_tip_) + SitePosition(left_tip_)) / 2.0;
+}
+
+int SawyerEnvironment::Geom(const char* name) {
+  const int geom = Find(mjOBJ_GEOM, name);
+  stepper_.Watch(geom);
+  return geom;
 }
 
 int SawyerEnvironment::Find(mjtObj type, const char* name) const {
@@ -202,16 +291,15 @@ int SawyerEnvironment::Find(mjtObj type, const char* name) const {
 }
 
 void SawyerEnvironment::Replay(const RecordedStart& start) {
-  const auto internal = [&start](const char* name) -> Eigen::Vector3d {
-    Eigen::Vector3d value;
+  const auto take = [&start](const std::string& name, std::span<double> into) {
     const auto found = start.internals.find(name);
     if (found == start.internals.end())
-      throw std::invalid_argument(std::string("recording lacks internals_after_reset.") + name);
-    CopyChecked(found->second, value.data(), 3, name);
-    return value;
+      throw std::invalid_argument("recording lacks internals_after_reset." + name);
+    CopyChecked(found->second, into.data(), static_cast<int>(into.size()), name.c_str());
   };
-  tcp_init_ = internal("init_tcp");
-  object_init_ = internal("obj_init_pos");
+  take("init_tcp", {tcp_init_.data(), 3});
+  take("obj_init_pos", {object_init_.data(), 3});
+  for (const auto& [name, into] : remembered_) take(name, into);
   target_ = start.goal;
   std::copy_n(start.observation.begin(), kFrameSize, previous_frame_.begin());
   const auto recorded = [this](mjtObj type, const char* kind, const std::string& name) {
@@ -228,7 +316,8 @@ void SawyerEnvironment::Replay(const RecordedStart& start) {
   steps_ = 0;
 }
 
-StepResult SawyerEnvironment::ReplayStep(const RecordedState& state, const Action& action) {
+StepResult SawyerEnvironment::ReplayStep(const RecordedState& state, const Action& action,
+                                         int step) {
   CopyChecked(state.qpos, data_->qpos, model_->nq, "qpos");
   CopyChecked(state.qvel, data_->qvel, model_->nv, "qvel");
   CopyChecked(state.mocap_pos, data_->mocap_pos, 3 * model_->nmocap, "mocap_pos");
@@ -236,7 +325,7 @@ StepResult SawyerEnvironment::ReplayStep(const RecordedState& state, const Actio
   CopyChecked(state.ctrl, data_->ctrl, model_->nu, "ctrl");
   CopyChecked(state.qacc_warmstart, data_->qacc_warmstart, model_->nv, "warm");
   mj_forward(model_.get(), data_.get());
-  ++steps_;
+  steps_ = step;
   return Conclude(action);
 }
 

@@ -14,7 +14,9 @@ inline constexpr int kMaxSteps = 500;        // the official time limit
 /// goal's position.
 using Observation = std::array<double, kObservationSize>;
 using Action = std::array<float, kActionSize>;
-using RandVec = std::array<double, 6>;  // placement: object xyz, goal xyz, metres
+/// A placement: xyz of the object (or fixture), then xyz of the goal, metres. Tasks whose placement
+/// has three numbers leave the last three 0.
+using RandVec = std::array<double, 6>;
 
 /// The official environment's `info` of a step.
 struct StepInfo {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -78,6 +80,7 @@ class Table {
     return columns;
   }
 
+  /// Empty cells are NaN.
   [[nodiscard]] Numbers Row(std::string_view line, std::size_t row) const {
     const auto fields = Split(line);
     if (fields.size() != names_.size())
@@ -86,7 +89,8 @@ class Table {
                                   std::to_string(names_.size()) + ": the file is cut short");
     Numbers numbers(fields.size());
     for (std::size_t i = 0; i < fields.size(); ++i) {
-      const auto number = text::ParseNumber<double>(fields[i]);
+      const auto number = fields[i].empty() ? std::numeric_limits<double>::quiet_NaN()
+                                            : text::ParseNumber<double>(fields[i]);
       if (!number)
         throw std::invalid_argument("row " + std::to_string(row) + ", column " + names_[i] +
                                     ": \"" + std::string(fields[i]) + "\" is not a number");
@@ -103,6 +107,16 @@ Numbers Pick(const Numbers& row, const std::vector<std::size_t>& columns) {
   Numbers picked;
   for (const std::size_t column : columns) picked.push_back(row[column]);
   return picked;
+}
+
+bool AnyEmpty(const Numbers& numbers) {
+  return std::ranges::any_of(numbers, [](double number) { return std::isnan(number); });
+}
+
+bool AllEmpty(const std::vector<Numbers>& lists) {
+  return std::ranges::all_of(lists, [](const Numbers& numbers) {
+    return std::ranges::all_of(numbers, [](double number) { return std::isnan(number); });
+  });
 }
 
 template <std::size_t N>
@@ -126,11 +140,15 @@ std::map<std::string, Eigen::Vector3d> Positions(const Json& json, const char* w
   return positions;
 }
 
-// Only the vectors: the official attributes are numbers, vectors or null.
+// The official attributes are numbers, vectors or null. Those that the header says are views of the
+// engine's arrays (internals_live) are here as they were after the reset; no task takes them.
 std::map<std::string, Numbers> Internals(const Json& json) {
   std::map<std::string, Numbers> internals;
   for (const auto& [name, value] : json.items())
-    if (value.is_array()) internals[name] = value.get<Numbers>();
+    if (value.is_array())
+      internals[name] = value.get<Numbers>();
+    else if (value.is_number())
+      internals[name] = {value.get<double>()};
   return internals;
 }
 
@@ -148,6 +166,7 @@ class ReturnedColumns {
       return std::nullopt;
     metaworld::StepResult result;
     const Numbers observation = Pick(row, observation_), scalars = Pick(row, scalars_);
+    if (AnyEmpty(observation) || AnyEmpty(scalars)) return std::nullopt;
     std::copy(observation.begin(), observation.end(), result.observation.begin());
     result.reward = scalars[0];
     result.info = {scalars[1] != 0, scalars[2], scalars[3], scalars[4], scalars[5], scalars[6]};
@@ -159,13 +178,21 @@ class ReturnedColumns {
   std::vector<std::size_t> observation_, scalars_;
 };
 
+/// Six numbers, or three of tasks without a goal in their placement.
+metaworld::RandVec Placement(const Json& json) {
+  metaworld::RandVec placement{};
+  if (json.size() == placement.size()) return Array<6>(json, "rand_vec");
+  std::ranges::copy(Array<3>(json, "rand_vec"), placement.begin());
+  return placement;
+}
+
 /// @return the number of steps that the header promises.
 std::size_t ReadHeader(std::string_view line, Recording& recording) {
   if (!line.starts_with("# "))
     throw std::invalid_argument("does not start with a \"# \" line of JSON");
   const Json header = Json::parse(line.substr(2));
   recording.task = header.at("task").get<std::string>();
-  recording.placement = Array<6>(header.at("rand_vec"), "rand_vec");
+  recording.placement = Placement(header.at("rand_vec"));
   recording.start = {
       .observation = Array<metaworld::kObservationSize>(header.at("init_obs"), "init_obs"),
       .goal = Vector(header.at("goal"), "goal"),
@@ -187,10 +214,22 @@ void ReadSteps(std::istream& lines, std::size_t promised, Recording& recording) 
   while (std::getline(lines, line)) {
     const Numbers row = table.Row(line, recording.steps.size() + 1);
     RecordedStep step;
+    if (AnyEmpty(Pick(row, action)))
+      throw std::invalid_argument("row " + std::to_string(recording.steps.size() + 1) +
+                                  " has no action");
     for (std::size_t i = 0; i < step.action.size(); ++i)
       step.action[i] = static_cast<float>(row[action[i]]);
-    step.state = {Pick(row, qpos),       Pick(row, qvel), Pick(row, mocap_pos),
-                  Pick(row, mocap_quat), Pick(row, ctrl), Pick(row, warm)};
+    std::vector<Numbers> state;
+    bool whole = true;
+    for (const auto* columns : {&qpos, &qvel, &mocap_pos, &mocap_quat, &ctrl, &warm}) {
+      state.push_back(Pick(row, *columns));
+      whole = whole && !AnyEmpty(state.back());
+    }
+    if (whole)
+      step.state = {state[0], state[1], state[2], state[3], state[4], state[5]};
+    else if (!AllEmpty(state))
+      throw std::invalid_argument("row " + std::to_string(recording.steps.size() + 1) +
+                                  " has a part of a state: the file is cut short");
     step.returned = returned.Read(row);
     recording.steps.push_back(std::move(step));
   }

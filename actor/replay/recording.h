@@ -8,15 +8,16 @@
 
 namespace metronome::replay {
 
-/// One step of a recorded episode: the action, and the physical state after it.
+/// One step of a recorded episode: the action, and where the file tells the physical state after it
+/// and what step() gave.
 struct RecordedStep {
   metaworld::Action action{};
-  metaworld::RecordedState state;
-  std::optional<metaworld::StepResult> returned;  // what step() gave, where the file tells
+  std::optional<metaworld::RecordedState> state;
+  std::optional<metaworld::StepResult> returned;
 };
 
 /// An episode of the official environment, as its recorder writes it: a `# ` line of JSON, a line
-/// of column names, a row per step; plain or gzip.
+/// of column names, a row per step; plain or gzip. Rows may leave all empty but step and action.
 struct Recording {
   std::string task;  // as recorded, e.g. "push-v3"
   metaworld::RandVec placement{};

@@ -27,7 +27,8 @@ std::string Csv(const Trace& trace) {
   text += ",reward,success,near_object,grasp_success,grasp_reward,in_place_reward,obj_to_target\n";
   text += CsvRow(0, trace.reset) + ",,,,,,,\n";
   for (std::size_t t = 0; t < trace.steps.size(); ++t) {
-    const metaworld::StepResult& step = trace.steps[t];
+    if (!trace.steps[t]) continue;
+    const metaworld::StepResult& step = *trace.steps[t];
     const metaworld::StepInfo& info = step.info;
     text += CsvRow(t + 1, step.observation);
     for (const double number :
@@ -47,10 +48,14 @@ Trace PlayRecording(const Recording& recording, TraceMode mode, const std::strin
   Trace trace;
   trace.reset = environment->Reset(recording.placement);
   if (mode == TraceMode::kForced) environment->Replay(recording.start);
-  for (const RecordedStep& step : recording.steps)
-    trace.steps.push_back(mode == TraceMode::kForced
-                              ? environment->ReplayStep(step.state, step.action)
-                              : environment->Step(step.action));
+  for (const RecordedStep& step : recording.steps) {
+    auto& traced = trace.steps.emplace_back();
+    if (mode == TraceMode::kFree)
+      traced = environment->Step(step.action);
+    else if (step.state)
+      traced =
+          environment->ReplayStep(*step.state, step.action, static_cast<int>(trace.steps.size()));
+  }
   return trace;
 }
 

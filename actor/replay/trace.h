@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <ostream>
 #include <string>
 
@@ -20,10 +21,11 @@ struct TraceOptions {
   std::string assets;     // folder of the scene files; empty: the default
 };
 
-/// The reset's observation and what every step returned.
+/// The reset's observation and what every step returned; nothing where it is forced and the
+/// recording has no state.
 struct Trace {
   metaworld::Observation reset{};
-  std::vector<metaworld::StepResult> steps;
+  std::vector<std::optional<metaworld::StepResult>> steps;
 };
 
 /// Plays `recording` on a fresh environment of its task.
@@ -32,7 +34,8 @@ Trace PlayRecording(const Recording& recording, TraceMode mode, const std::strin
 
 /// `metronome-actor trace`: prints the environment's own numbers for a recorded episode. CSV with
 /// the header step,obs0..obs38,reward,success,near_object,grasp_success,grasp_reward,
-/// in_place_reward,obj_to_target; row 0 is the reset (reward and info empty), then a row a step.
+/// in_place_reward,obj_to_target; row 0 is the reset (reward and info empty), then a row a step
+/// (forced: of those whose state is recorded).
 /// Numbers read back as the same doubles.
 /// @return exit status: 0; 2 for bad options or a bad recording, 1 where the scene cannot be
 /// loaded;

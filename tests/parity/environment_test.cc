@@ -188,7 +188,7 @@ TEST(EngineTest, MissingScenesNameTheFileAndTheRemedy) {
 TEST(EngineTest, AnErrorInsideMuJoCoIsAnException) {
   const auto scene =
       metaworld::engine::Scene::Load(DefaultAssetsPath(), metaworld::tasks::FindTask("push").scene);
-  const metaworld::engine::ModelPtr model = scene->CopyModel();
+  metaworld::engine::PlacedModel model(scene->model());
   const metaworld::engine::DataPtr data = scene->MakeData();
   model->opt.integrator = 99;
   EXPECT_THROW(mj_step(model.get(), data.get()), metaworld::engine::EngineError);
@@ -202,7 +202,7 @@ TEST(EngineTest, AWarningOfMuJoCoLeavesNoFile) {
   std::filesystem::remove(file);
   const auto scene =
       metaworld::engine::Scene::Load(DefaultAssetsPath(), metaworld::tasks::FindTask("push").scene);
-  const metaworld::engine::ModelPtr model = scene->CopyModel();
+  metaworld::engine::PlacedModel model(scene->model());
   const metaworld::engine::DataPtr data = scene->MakeData();
   data->qpos[0] = std::nan("");
   mj_step(model.get(), data.get());

@@ -33,7 +33,7 @@ void PlaceAtRandom(const mjModel& m, mjData& d, int geom, numbers::RandomStream&
 TEST_P(GeomBoundsTest, PairsThatAreCalledApartHaveNoContact) {
   const auto scene = metaworld::engine::Scene::Load(DefaultAssetsPath(),
                                                     metaworld::tasks::FindTask(GetParam()).scene);
-  const metaworld::engine::ModelPtr model = scene->CopyModel();
+  const metaworld::engine::PlacedModel model(scene->model());
   const metaworld::engine::DataPtr data = scene->MakeData();
   const mjModel& m = *model;
   const metaworld::engine::GeomBounds bounds(m);
@@ -61,10 +61,9 @@ TEST_P(GeomBoundsTest, PairsThatAreCalledApartHaveNoContact) {
 }
 
 TEST_P(GeomBoundsTest, ASceneWithPredefinedPairsIsRefused) {
-  const metaworld::engine::ModelPtr model =
-      metaworld::engine::Scene::Load(DefaultAssetsPath(),
-                                     metaworld::tasks::FindTask(GetParam()).scene)
-          ->CopyModel();
+  const auto scene = metaworld::engine::Scene::Load(DefaultAssetsPath(),
+                                                    metaworld::tasks::FindTask(GetParam()).scene);
+  metaworld::engine::PlacedModel model(scene->model());
   EXPECT_NO_THROW(metaworld::engine::CollisionPairs{*model});
   model->npair = 1;
   EXPECT_THROW(metaworld::engine::CollisionPairs{*model}, std::logic_error);

@@ -46,7 +46,11 @@ TEST(PlacementTest, Mt1EqualsTheOfficialBenchmarkNumberForNumber) {
   }
 }
 
-double PlanarDistance(const RandVec& p) { return std::hypot(p[0] - p[3], p[1] - p[4]); }
+/// Of the object from what the task keeps it away from.
+double PlanarDistance(const TaskSpec& task, const RandVec& p) {
+  const Eigen::Vector2d from = task.keep_from.value_or(Eigen::Vector2d(p[3], p[4]));
+  return std::hypot(p[0] - from.x(), p[1] - from.y());
+}
 
 TEST(PlacementTest, DrawsFillTheBoxAndKeepTheLeastDistance) {
   for (const TaskSpec& task : metaworld::tasks::AllTasks()) {
@@ -56,7 +60,7 @@ TEST(PlacementTest, DrawsFillTheBoxAndKeepTheLeastDistance) {
       numbers::RandomStream stream(numbers::RandomPurpose::kTrain, 3, number,
                                    numbers::kPlacementDraw);
       const RandVec p = DrawPlacement(task, stream);
-      EXPECT_GE(PlanarDistance(p), task.min_planar_distance);
+      EXPECT_GE(PlanarDistance(task, p), task.min_planar_distance);
       for (std::size_t i = 0; i < p.size(); ++i) {
         EXPECT_GE(p[i], task.low[i]);
         EXPECT_LE(p[i], task.high[i]);

@@ -112,8 +112,8 @@ TEST_F(TraceTest, PrintsAHeaderTheResetAndARowPerStepThatReadBackExactly) {
     ASSERT_EQ(fields.size(), 47U);
     EXPECT_EQ(fields[0], std::to_string(t));
     for (int i = 0; i < metaworld::kObservationSize; ++i)
-      ASSERT_EQ(text::ParseNumber<double>(fields[i + 1]), want.steps[t - 1].observation[i]);
-    ASSERT_EQ(text::ParseNumber<double>(fields[40]), want.steps[t - 1].reward);
+      ASSERT_EQ(text::ParseNumber<double>(fields[i + 1]), want.steps[t - 1]->observation[i]);
+    ASSERT_EQ(text::ParseNumber<double>(fields[40]), want.steps[t - 1]->reward);
   }
 }
 

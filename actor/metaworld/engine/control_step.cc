@@ -56,7 +56,17 @@ ControlStepper::ControlStepper(const mjModel& model)
   }
 }
 
+void ControlStepper::Watch(int geom) {
+  if (std::find(geoms_.begin(), geoms_.end(), geom) == geoms_.end()) geoms_.push_back(geom);
+}
+
 void ControlStepper::Begin(mjData& data) const { mj_kinematics(&model_, &data); }
+
+void ControlStepper::PlaceFixedBodies(mjData& data) const {
+  const std::vector<mjtNum> qpos(data.qpos, data.qpos + model_.nq);
+  Begin(data);
+  std::copy(qpos.begin(), qpos.end(), data.qpos);
+}
 
 void ControlStepper::Kinematics(mjData& d) const {
   const mjModel& m = model_;

@@ -22,8 +22,15 @@ class ControlStepper {
   ///         integrator than Euler's, or what CollisionPairs refuses.
   explicit ControlStepper(const mjModel& model);
 
+  /// Keeps the pose of `geom` up to date, too, though it is only seen.
+  void Watch(int geom);
+
   /// mj_step's substeps from a state of whatever origin: fixed bodies are placed anew first.
   void Begin(mjData& data) const;
+  /// As Begin, but leaves qpos to the next step, which normalises its quaternions (on 2.2.2 once
+  /// and twice are not the same bits): for a state that another model of this scene, with its fixed
+  /// bodies elsewhere, has come to.
+  void PlaceFixedBodies(mjData& data) const;
   /// `count` times mj_step. Begin, or mj_forward, once before.
   void Steps(mjData& data, int count);
 
@@ -41,7 +48,7 @@ class ControlStepper {
 
   const mjModel& model_;
   mjModel bodies_only_;     // the model without geoms and sites
-  std::vector<int> geoms_;  // that move and collide
+  std::vector<int> geoms_;  // that move and collide, or are watched
   std::vector<int> sites_;  // that move
   CollisionPairs pairs_;
 };

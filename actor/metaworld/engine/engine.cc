@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 
+#include "actor/metaworld/engine/model_correction.h"
 #include "actor/metaworld/engine/weld_correction.h"
-#include "common/process/mutex.h"
 
 namespace metronome::metaworld::engine {
 namespace {
@@ -28,7 +27,8 @@ void SetWelds(mjModel& model) {
       std::copy(kWeld.begin(), kWeld.end(), model.eq_data + i * mjNEQDATA);
 }
 
-ModelPtr LoadModel(const std::string& path) {
+/// @param scene  what `path` is in the assets folder.
+ModelPtr LoadModel(const std::string& path, const std::string& scene) {
   const char* remedy = "; run deploy/setup (or point METRONOME_ASSETS at metaworld/assets)";
   if (!std::filesystem::exists(path))
     throw std::runtime_error("scene file " + path + " is missing" + remedy);
@@ -37,6 +37,7 @@ ModelPtr LoadModel(const std::string& path) {
   if (!model)
     throw std::runtime_error("cannot load scene file " + path + ": " + error.data() + remedy);
   SetWelds(*model);
+  CorrectModel(scene, *model);
   return model;
 }
 
@@ -58,11 +59,14 @@ std::shared_ptr<Scene> Scene::Load(const std::string& assets, const std::string&
   const std::string path = assets + "/" + scene;
   const process::MutexLock lock(mutex);
   auto& entry = scenes[path];
-  if (!entry) entry = std::shared_ptr<Scene>(new Scene(LoadModel(path)));
+  if (!entry) entry = std::shared_ptr<Scene>(new Scene(LoadModel(path, scene)));
   return entry;
 }
 
-ModelPtr Scene::CopyModel() const { return ModelPtr(mj_copyModel(nullptr, model_.get())); }
+Scene::SharedState& Scene::StateOf(const std::string& key) {
+  const process::MutexLock lock(mutex_);
+  return states_[key];  // a map's elements stay where they are
+}
 
 DataPtr Scene::MakeData() const { return DataPtr(mj_makeData(model_.get())); }
 

@@ -8,6 +8,7 @@
 #include "actor/metaworld/assets.h"
 #include "actor/metaworld/placement.h"
 #include "actor/metaworld/sawyer.h"
+#include "actor/metaworld/tasks/benchmarks.h"
 #include "actor/metaworld/tasks/task_table.h"
 
 namespace metronome::metaworld::tasks {
@@ -21,10 +22,14 @@ class MetaworldEnvironment final : public environment::Environment, public envir
   MetaworldEnvironment(const TaskSpec& task, const EnvironmentConfig& config)
       : task_(task),
         placements_(config.placements()),
+        run_tasks_(config.spec().tasks().begin(), config.spec().tasks().end()),
         scene_(task.make(task, {.goal_visible = config.goal_visible(), .assets = ""})) {}
 
   void Reset(environment::EpisodeStart& start, std::span<float> observation) override {
-    Show(scene_->Reset(StartPlacement(task_, placements_, start)), observation);
+    const RandVec placement = placements_ == PLACEMENTS_BENCHMARK
+                                  ? PickOfficial(OfBenchmark(start.key.seed), start)
+                                  : StartPlacement(task_, placements_, start);
+    Show(scene_->Reset(placement), observation);
   }
 
   environment::StepOutcome Step(std::span<const float> action,
@@ -51,6 +56,17 @@ class MetaworldEnvironment final : public environment::Environment, public envir
   [[nodiscard]] double steps_per_second() const override { return 1 / kControlStep; }
 
  private:
+  /// This task's in the benchmark that the run's tasks are, kept for the next episode.
+  const std::vector<RandVec>& OfBenchmark(std::uint64_t seed) {
+    if (seed == benchmark_seed_) return benchmark_;
+    for (TaskPlacements& of_task :
+         BenchmarkPlacements(run_tasks_, static_cast<std::uint32_t>(seed))) {
+      if (of_task.task == &task_) benchmark_ = std::move(of_task.placements);
+    }
+    benchmark_seed_ = seed;
+    return benchmark_;
+  }
+
   void Show(const Observation& full, std::span<float> observation) {
     shown_ = full;
     std::transform(full.begin(), full.end(), observation.begin(),
@@ -59,6 +75,9 @@ class MetaworldEnvironment final : public environment::Environment, public envir
 
   const TaskSpec& task_;
   const Placements placements_;
+  const std::vector<std::string> run_tasks_;  // of several
+  std::optional<std::uint64_t> benchmark_seed_;
+  std::vector<RandVec> benchmark_;  // of that seed
   const std::unique_ptr<SawyerEnvironment> scene_;
   Observation shown_{};
 };
@@ -80,7 +99,8 @@ EnvironmentSpec SpecOf(const TaskSpec& task) {
 }
 
 std::optional<std::int32_t> DifferentStarts(const EnvironmentConfig& config) {
-  if (config.placements() == PLACEMENTS_MT1) return kMt1Placements;
+  if (config.placements() == PLACEMENTS_MT1 || config.placements() == PLACEMENTS_BENCHMARK)
+    return kMt1Placements;
   return std::nullopt;
 }
 
@@ -98,6 +118,16 @@ std::vector<environment::EnvironmentEntry> Environments() {
                        .different_starts = DifferentStarts});
   }
   return entries;
+}
+
+std::vector<environment::TaskGroup> Groups() {
+  std::vector<environment::TaskGroup> groups;
+  for (const Benchmark& benchmark : AllBenchmarks()) {
+    const bool ml = !benchmark.test.empty();
+    groups.push_back({benchmark.name + (ml ? "-train" : ""), benchmark.train, true});
+    if (ml) groups.push_back({benchmark.name + "-test", benchmark.test, true});
+  }
+  return groups;
 }
 
 void RequireScenes() {

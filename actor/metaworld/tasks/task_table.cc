@@ -2,47 +2,74 @@
 
 #include <stdexcept>
 
+#include "actor/metaworld/tasks/buttons/buttons.h"
+#include "actor/metaworld/tasks/coffee/coffee.h"
+#include "actor/metaworld/tasks/doors/doors.h"
+#include "actor/metaworld/tasks/drawers/drawers.h"
+#include "actor/metaworld/tasks/handles/handles.h"
+#include "actor/metaworld/tasks/knobs/knobs.h"
+#include "actor/metaworld/tasks/nuts/nuts.h"
+#include "actor/metaworld/tasks/pick_place/pick_place.h"
+#include "actor/metaworld/tasks/plates/plates.h"
+#include "actor/metaworld/tasks/pushing/pushing.h"
+#include "actor/metaworld/tasks/tools/tools.h"
+#include "actor/metaworld/tasks/windows/windows.h"
 #include "common/text/near_miss.h"
 
 namespace metronome::metaworld::tasks {
 
-// Defined in tasks/NAME.cc.
-std::unique_ptr<SawyerEnvironment> MakeAssembly(const TaskSpec&, const EnvironmentOptions&);
-std::unique_ptr<SawyerEnvironment> MakeBinPicking(const TaskSpec&, const EnvironmentOptions&);
-std::unique_ptr<SawyerEnvironment> MakeBoxClose(const TaskSpec&, const EnvironmentOptions&);
-std::unique_ptr<SawyerEnvironment> MakePush(const TaskSpec&, const EnvironmentOptions&);
-
 const std::vector<TaskSpec>& AllTasks() {
-  // name, scene, box low (object, goal), box high, least planar distance, view, factory
   static const std::vector<TaskSpec> tasks = {
-      {"assembly",
-       "sawyer_xyz/sawyer_assembly_peg.xml",
-       {0, 0.6, 0.02, -0.1, 0.75, 0.1},
-       {0, 0.6, 0.02, 0.1, 0.85, 0.1},
-       0.1,
-       {{0.02, 0.7, 0.14}, 0.75, 140, -20},
-       MakeAssembly},
-      {"bin-picking",
-       "sawyer_xyz/sawyer_bin_picking.xml",
-       {-0.21, 0.65, 0.02, 0.1199, 0.699, -0.001},
-       {-0.03, 0.75, 0.02, 0.1201, 0.701, 0.001},
-       0,
-       {{0, 0.68, 0.1}, 0.85, 115, -30},
-       MakeBinPicking},
-      {"box-close",
-       "sawyer_xyz/sawyer_box.xml",
-       {-0.05, 0.5, 0.02, -0.1, 0.7, 0.133},
-       {0.05, 0.55, 0.02, 0.1, 0.8, 0.133},
-       0.25,
-       {{0, 0.65, 0.12}, 0.85, 150, -25},
-       MakeBoxClose},
-      {"push",
-       "sawyer_xyz/sawyer_push_v3.xml",
-       {-0.1, 0.6, 0.02, -0.1, 0.8, 0.01},
-       {0.1, 0.7, 0.02, 0.1, 0.9, 0.02},
-       0.15,
-       {{0.03, 0.72, 0.14}, 0.75, 140, -20},
-       MakePush},
+      nuts::AssemblyTask(),
+      pick_place::BasketballTask(),
+      pick_place::BinPickingTask(),
+      pick_place::BoxCloseTask(),
+      buttons::ButtonPressTask(),
+      buttons::ButtonPressTopdownTask(),
+      buttons::ButtonPressTopdownWallTask(),
+      buttons::ButtonPressWallTask(),
+      coffee::CoffeeButtonTask(),
+      coffee::CoffeePullTask(),
+      coffee::CoffeePushTask(),
+      knobs::DialTurnTask(),
+      nuts::DisassembleTask(),
+      doors::DoorCloseTask(),
+      doors::DoorLockTask(),
+      doors::DoorOpenTask(),
+      doors::DoorUnlockTask(),
+      drawers::DrawerCloseTask(),
+      drawers::DrawerOpenTask(),
+      knobs::FaucetCloseTask(),
+      knobs::FaucetOpenTask(),
+      tools::HammerTask(),
+      pick_place::HandInsertTask(),
+      handles::HandlePressTask(),
+      handles::HandlePressSideTask(),
+      handles::HandlePullTask(),
+      handles::HandlePullSideTask(),
+      handles::LeverPullTask(),
+      pick_place::PegInsertSideTask(),
+      pick_place::PegUnplugSideTask(),
+      pick_place::PickOutOfHoleTask(),
+      pick_place::PickPlaceTask(),
+      pick_place::PickPlaceWallTask(),
+      plates::PlateSlideTask(),
+      plates::PlateSlideBackTask(),
+      plates::PlateSlideBackSideTask(),
+      plates::PlateSlideSideTask(),
+      pushing::PushTask(),
+      pushing::PushBackTask(),
+      pushing::PushWallTask(),
+      pick_place::ReachTask(),
+      pick_place::ReachWallTask(),
+      pick_place::ShelfPlaceTask(),
+      pushing::SoccerTask(),
+      tools::StickPullTask(),
+      tools::StickPushTask(),
+      pushing::SweepTask(),
+      pushing::SweepIntoTask(),
+      windows::WindowCloseTask(),
+      windows::WindowOpenTask(),
   };
   return tasks;
 }

@@ -115,6 +115,13 @@ def row_of(step, environment, action, observation, reward, truncated, info):
     return f"{step}," + ",".join(map(repr, row))
 
 
+def action_alone(row, model):
+    """The row with nothing but step and action."""
+    before = 1 + model.nq + model.nv + 3 + 4 + model.nu
+    cells = row.split(",")
+    return ",".join(cell if i == 0 or before <= i < before + 4 else "" for i, cell in enumerate(cells))
+
+
 def columns_of(model):
     counts = (("qpos", model.nq), ("qvel", model.nv), ("mocap_pos", 3), ("mocap_quat", 4), ("ctrl", model.nu),
               ("action", 4), ("obs", 39))
@@ -132,7 +139,9 @@ def recording_of(arguments):
     for step in range(1, arguments.steps + 1):
         action = act(observation)
         observation, reward, _, truncated, info = environment.step(action)
-        lines.append(row_of(step, environment, action, observation, reward, truncated, info))
+        row = row_of(step, environment, action, observation, reward, truncated, info)
+        whole = step % arguments.every == 0 or step in (1, arguments.steps)
+        lines.append(row if whole else action_alone(row, environment.model))
     return "\n".join(lines) + "\n"
 
 
@@ -144,10 +153,15 @@ def main():
                         help="expert: the package's scripted policy, with noise (default)")
     parser.add_argument("--const", type=float, nargs=4, default=[0.0] * 4, metavar="X", help="the action of const")
     parser.add_argument("--steps", type=int, default=150, help="1 to 500 (default 150)")
+    parser.add_argument("--every", type=int, default=1, metavar="N",
+                        help="whole rows of the first, the last and each Nth step, of the others the action alone; for small "
+                        "files (default 1: all)")
     parser.add_argument("--out", type=Path, default=RECORDINGS, metavar="DIR", help="default: tests/fixtures/recordings")
     arguments = parser.parse_args()
     if not 1 <= arguments.steps <= 500:
         parser.error(f"--steps {arguments.steps}: must be 1 to 500")
+    if arguments.every < 1:
+        parser.error(f"--every {arguments.every}: must be at least 1")
     path = arguments.out / f"{arguments.task}_s{arguments.seed}_{arguments.policy}.csv.gz"
     path.write_bytes(gzip.compress(recording_of(arguments).encode(), 9, mtime=0))  # the same bytes each time
     print(path)

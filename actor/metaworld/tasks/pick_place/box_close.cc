@@ -1,23 +1,22 @@
 #include <algorithm>
-#include <cmath>
 
 #include "actor/metaworld/sawyer.h"
+#include "actor/metaworld/tasks/pick_place/floor.h"
+#include "actor/metaworld/tasks/pick_place/pick_place.h"
 
 /// Put a lid on a box. As metaworld 3.1.1 has it: envs/sawyer_box_close_v3.py.
-namespace metronome::metaworld::tasks {
+namespace metronome::metaworld::tasks::pick_place {
 namespace {
 
 const Eigen::Vector4d kUpright(0.707, 0, 0, 0.707);  // quaternion (w, x, y, z) of a level lid
 
-/// 1 while the hand stays above a funnel around the lid's handle, so that it comes from above.
-double AboveFloor(const Eigen::Vector3d& hand, const Eigen::Vector3d& lid) {
-  const double radius = Norm((hand - lid).head<2>());
-  const double floor = radius <= 0.02 ? 0 : 0.04 * std::log(radius - 0.02) + 0.4;
-  return hand.z() >= floor ? 1 : LongTail(floor - hand.z(), 0, 0.01, floor / 2);
-}
+/// Around the lid's handle, for the hand to come from above.
+constexpr Funnel kAroundHandle = {.radius = 0.02, .slope = 0.04, .height = 0.4};
 
 double RewardReady(const Eigen::Vector3d& hand, const Eigen::Vector3d& lid) {
-  return Hamacher(AboveFloor(hand, lid), LongTail(Norm(hand - lid), 0, 0.02, 0.5)).value();
+  const double floor = FunnelHeight(kAroundHandle, Norm((hand - lid).head<2>()));
+  const double above = AboveFloor(hand.z(), floor, floor / 2);
+  return Hamacher(above, LongTail(Norm(hand - lid), 0, 0.02, 0.5)).value();
 }
 
 double RewardPlace(const Eigen::Vector3d& lid, const Eigen::Vector3d& target) {
@@ -29,25 +28,20 @@ double RewardPlace(const Eigen::Vector3d& lid, const Eigen::Vector3d& target) {
 class BoxClose final : public SawyerEnvironment {
  public:
   BoxClose(const TaskSpec& task, const EnvironmentOptions& options)
-      // The official task keeps the initial hand position in float32.
-      : SawyerEnvironment(task, options,
-                          {{0, 0.6F, 0.2F}, {-0.5, 0.4, 0.05}, {0.5, 1, 0.5}, false}),
+      : SawyerEnvironment(task, options),
         lid_(Body("top_link")),
         box_(Body("boxbody")),
         goal_(Site("goal")) {}
 
  private:
-  void EditModel(const RandVec& p) override {
-    model_->body_pos[3 * box_] = p[3];
-    model_->body_pos[3 * box_ + 1] = p[4];
-  }
+  void EditModel(const RandVec& p) override { MoveBody(box_, {p[3], p[4], 0}); }
 
   void PlaceObject(const RandVec& p) override {
     object_init_ = {p[0], p[1], 0.02F};  // float32, as official
-    target_ = {p[3], p[4], p[5]};
-    Eigen::Map<Eigen::Vector3d>(model_->site_pos + 3 * goal_) = target_;
+    target_ = GoalOf(p);
+    MoveSite(goal_, target_);
     Substeps();
-    SetObject(object_init_);
+    SetFreeObject(object_init_);
   }
 
   [[nodiscard]] ObjectPose Object() const override {
@@ -82,9 +76,18 @@ class BoxClose final : public SawyerEnvironment {
 
 }  // namespace
 
-std::unique_ptr<SawyerEnvironment> MakeBoxClose(const TaskSpec& task,
-                                                const EnvironmentOptions& options) {
-  return std::make_unique<BoxClose>(task, options);
+TaskSpec BoxCloseTask() {
+  return {.name = "box-close",
+          .family = "pick_place",
+          .scene = "sawyer_xyz/sawyer_box.xml",
+          .success = "the lid within 8 cm of its place on the box",
+          .expert = {0.8, 0.5, 2690},
+          .low = {-0.05, 0.5, 0.02, -0.1, 0.7, 0.133},
+          .high = {0.05, 0.55, 0.02, 0.1, 0.8, 0.133},
+          .min_planar_distance = 0.25,
+          .hand = {.initial = {0, 0.6F, 0.2F}, .settles_alike = false},
+          .view = {{0, 0.65, 0.12}, 0.85, 150, -25},
+          .make = Make<BoxClose>};
 }
 
-}  // namespace metronome::metaworld::tasks
+}  // namespace metronome::metaworld::tasks::pick_place

@@ -1,35 +1,30 @@
-#include <cmath>
+#include <algorithm>
 #include <optional>
 
 #include "actor/metaworld/sawyer.h"
+#include "actor/metaworld/tasks/pick_place/floor.h"
+#include "actor/metaworld/tasks/pick_place/pick_place.h"
 
 /// Carry a cube from one bin to the other. As metaworld 3.1.1 has it:
 /// envs/sawyer_bin_picking_v3.py.
-namespace metronome::metaworld::tasks {
+namespace metronome::metaworld::tasks::pick_place {
 namespace {
 
 constexpr CagingShape kCaging = {
     .object_radius = 0.015, .pad_success = 0.05, .xz_threshold = 0.01, .effort = 0.7};
 
-/// Height below which the hand is penalised at planar distance `radius` from a bin's centre: a
-/// funnel around it.
-double FunnelHeight(double radius) {
-  return radius > 0.03 ? 0.02 * std::log(radius - 0.03) + 0.2 : 0;
-}
+/// Around each bin's centre, for the hand to clear their walls.
+constexpr Funnel kAroundBin = {.radius = 0.03, .slope = 0.02, .height = 0.2};
 
 class BinPicking final : public SawyerEnvironment {
  public:
   BinPicking(const TaskSpec& task, const EnvironmentOptions& options)
-      : SawyerEnvironment(task, options, {{0, 0.6, 0.2}, {-0.5, 0.4, 0.07}, {0.5, 1, 0.5}, true}),
-        object_(Body("obj")),
-        bin_(Body("bin_goal")) {}
+      : SawyerEnvironment(task, options), object_(Body("obj")), bin_(Body("bin_goal")) {}
 
  private:
-  void EditModel(const RandVec&) override {}
-
   void PlaceObject(const RandVec& p) override {
     object_init_ = {p[0], p[1], BodyPosition(object_).z()};  // the cube rests in the bin
-    SetObject(object_init_);
+    SetFreeObject(object_init_);
     target_ = BodyPosition(bin_);  // the placement's goal part is drawn but not used
     first_distance_.reset();
   }
@@ -50,7 +45,7 @@ class BinPicking final : public SawyerEnvironment {
     const bool near = Norm(object - hand) < 0.04;
     const bool lifted = object.z() - 0.02 > object_init_.z();
     const bool grasped = near && lifted && !(observation[3] < 0.43);
-    if (grasped) reward = reward + (1 + 5 * Hamacher(AboveFloor(hand), in_place));
+    if (grasped) reward = reward + (1 + 5 * Hamacher(AboveBins(hand), in_place));
     if (to_target < 0.05) reward = 10;
     return {reward.value(),
             {.success = to_target <= 0.05,
@@ -62,10 +57,10 @@ class BinPicking final : public SawyerEnvironment {
   }
 
   /// 1 while the hand stays above the funnels of both bins, so that it clears their walls.
-  [[nodiscard]] double AboveFloor(const Eigen::Vector3d& hand) const {
-    const double floor = std::min(FunnelHeight(Norm((hand - object_init_).head<2>())),
-                                  FunnelHeight(Norm((hand - target_).head<2>())));
-    return hand.z() >= floor ? 1 : LongTail(std::max(floor - hand.z(), 0.0), 0, 0.01, 0.05);
+  [[nodiscard]] double AboveBins(const Eigen::Vector3d& hand) const {
+    const double floor = std::min(FunnelHeight(kAroundBin, Norm((hand - object_init_).head<2>())),
+                                  FunnelHeight(kAroundBin, Norm((hand - target_).head<2>())));
+    return AboveFloor(hand.z(), floor, 0.05);
   }
 
   int object_, bin_;
@@ -74,9 +69,17 @@ class BinPicking final : public SawyerEnvironment {
 
 }  // namespace
 
-std::unique_ptr<SawyerEnvironment> MakeBinPicking(const TaskSpec& task,
-                                                  const EnvironmentOptions& options) {
-  return std::make_unique<BinPicking>(task, options);
+TaskSpec BinPickingTask() {
+  return {.name = "bin-picking",
+          .family = "pick_place",
+          .scene = "sawyer_xyz/sawyer_bin_picking.xml",
+          .success = "the cube within 5 cm of the other bin's centre",
+          .expert = {1.0, 1.0, 3985},
+          .low = {-0.21, 0.65, 0.02, 0.1199, 0.699, -0.001},
+          .high = {-0.03, 0.75, 0.02, 0.1201, 0.701, 0.001},
+          .hand = {.initial = {0, 0.6, 0.2}, .low = {-0.5, 0.4, 0.07}},
+          .view = {{0, 0.68, 0.1}, 0.85, 115, -30},
+          .make = Make<BinPicking>};
 }
 
-}  // namespace metronome::metaworld::tasks
+}  // namespace metronome::metaworld::tasks::pick_place
