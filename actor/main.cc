@@ -4,6 +4,7 @@
 /// The environments that metronome-actor plays: to add a family, add its table here.
 int main(int argc, char** argv) {
   const metronome::environment::EnvironmentRegistry registry(
-      metronome::metaworld::tasks::Environments(), metronome::metaworld::tasks::RequireScenes);
+      metronome::metaworld::tasks::Environments(), metronome::metaworld::tasks::RequireScenes,
+      metronome::metaworld::tasks::Groups());
   return metronome::actor::RunActorProgram(argc, argv, registry);
 }

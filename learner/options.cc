@@ -49,7 +49,7 @@ constexpr FieldOption kFieldOptions[] = {
      "episode]"},
     {"--placements", "environment.placements", "P",
      "Of object and goal: random (each episode its own), fixed (one, by seed), mt1 (the official "
-     "50)"},
+     "50), benchmark (of several tasks, those of the official benchmark)"},
     {"--goal", "environment.goal_visible", "G",
      "hidden or visible: whether observations show the goal [default: visible]"},
     {"--domain", "runtime.domain", "N", "DDS domain, 0 to 232"},

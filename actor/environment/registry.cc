@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -22,17 +23,47 @@ bool HasName(const EnvironmentEntry& entry, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+std::string Joined(const std::vector<std::string>& tasks) {
+  std::string joined;
+  for (const std::string& task : tasks) joined += (joined.empty() ? "" : ",") + task;
+  return joined;
+}
+
+/// One policy plays both. @throws std::invalid_argument if it cannot.
+void Join(EnvironmentSpec& spec, const EnvironmentSpec& other) {
+  const auto actions = [](const EnvironmentSpec& of) {
+    return std::pair(std::vector(of.action_low().begin(), of.action_low().end()),
+                     std::vector(of.action_high().begin(), of.action_high().end()));
+  };
+  if (spec.observation_size() != other.observation_size() || actions(spec) != actions(other)) {
+    throw std::invalid_argument("impossible list: no policy plays both " + spec.short_name() +
+                                " and " + other.short_name() + ", which have observations of " +
+                                std::to_string(spec.observation_size()) + " and " +
+                                std::to_string(other.observation_size()) + " numbers, actions of " +
+                                std::to_string(spec.action_size()) + " and " +
+                                std::to_string(other.action_size()) + ", or differ in bounds");
+  }
+  spec.set_max_steps(std::min(spec.max_steps(), other.max_steps()));
+  spec.set_may_end_early(spec.may_end_early() || other.may_end_early());
+  spec.set_has_success(spec.has_success() && other.has_success());
+}
+
 }  // namespace
 
 EnvironmentRegistry::EnvironmentRegistry(std::vector<EnvironmentEntry> entries,
-                                         std::function<void()> require_machine)
-    : entries_(std::move(entries)), require_machine_(std::move(require_machine)) {
+                                         std::function<void()> require_machine,
+                                         std::vector<TaskGroup> groups)
+    : entries_(std::move(entries)),
+      require_machine_(std::move(require_machine)),
+      groups_(std::move(groups)) {
   std::map<std::string, int> times;
+  const auto count = [&times](const std::string& name) {
+    if (++times[name] > 1) throw std::logic_error("two environments are called " + name);
+  };
   for (const EnvironmentEntry& entry : entries_) {
-    for (const std::string& name : NamesOf(entry)) {
-      if (++times[name] > 1) throw std::logic_error("two environments are called " + name);
-    }
+    for (const std::string& name : NamesOf(entry)) count(name);
   }
+  for (const TaskGroup& group : groups_) count(group.name);
 }
 
 const EnvironmentEntry& EnvironmentRegistry::Find(const std::string& name) const {
@@ -45,20 +76,56 @@ const EnvironmentEntry& EnvironmentRegistry::Find(const std::string& name) const
     known.push_back(entry.spec.short_name());
     for (const std::string& spelling : NamesOf(entry)) spellings.push_back(spelling);
   }
+  for (const TaskGroup& group : groups_) known.push_back(group.name);
   auto near = text::NearMiss(name, known);
   if (!near) near = text::NearMiss(name, spellings);
   throw std::invalid_argument(text::UnknownName("environment", name, known, near));
 }
 
-std::unique_ptr<Environment> EnvironmentRegistry::Make(const EnvironmentConfig& config) const {
-  const EnvironmentEntry& entry = Find(config.task());
-  if (config.spec().SerializeAsString() != entry.spec.SerializeAsString()) {
+const TaskGroup* EnvironmentRegistry::FindGroup(const std::string& name) const {
+  const auto found = std::find_if(groups_.begin(), groups_.end(),
+                                  [&name](const TaskGroup& group) { return group.name == name; });
+  return found == groups_.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> EnvironmentRegistry::TasksOf(const std::string& name) const {
+  if (const TaskGroup* group = FindGroup(name)) return group->tasks;
+  std::vector<std::string> tasks;
+  std::set<std::string> seen;
+  for (std::size_t begin = 0; begin <= name.size();) {
+    const std::size_t end = std::min(name.find(',', begin), name.size());
+    tasks.push_back(Find(name.substr(begin, end - begin)).spec.short_name());
+    if (!seen.insert(tasks.back()).second)
+      throw std::invalid_argument("impossible list \"" + name + "\": " + tasks.back() +
+                                  " is in it twice");
+    begin = end + 1;
+  }
+  return tasks;
+}
+
+EnvironmentSpec EnvironmentRegistry::Describe(const std::string& name) const {
+  const std::vector<std::string> tasks = TasksOf(name);
+  EnvironmentSpec spec = Find(tasks.front()).spec;
+  const TaskGroup* group = FindGroup(name);
+  if (tasks.size() == 1 && group == nullptr) return spec;
+  for (const std::string& task : tasks) Join(spec, Find(task).spec);
+  const std::string joined = group != nullptr ? group->name : Joined(tasks);
+  spec.set_name(joined);
+  spec.set_short_name(joined);
+  spec.mutable_tasks()->Assign(tasks.begin(), tasks.end());
+  if (group != nullptr && group->has_benchmark) spec.set_has_benchmark(true);
+  return spec;
+}
+
+std::unique_ptr<Environment> EnvironmentRegistry::Make(const EnvironmentConfig& config,
+                                                       std::size_t task) const {
+  const EnvironmentSpec here = Describe(config.task());
+  if (config.spec().SerializeAsString() != here.SerializeAsString()) {
     throw std::invalid_argument("the run's " + config.task() + " is " +
                                 config.spec().ShortDebugString() + ", the one here is " +
-                                entry.spec.ShortDebugString() +
-                                ": build both from the same sources");
+                                here.ShortDebugString() + ": build both from the same sources");
   }
-  return entry.make(config);
+  return Find(TasksOf(config.task()).at(task)).make(config);
 }
 
 void EnvironmentRegistry::RequireMachine() const {

@@ -2,6 +2,7 @@
 
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -67,10 +68,9 @@ void AddElementary(Digest& digest) {
   }
 }
 
-void AddEpisode(Digest& digest, const environment::EnvironmentRegistry& registry,
-                const EnvironmentConfig& config) {
-  const EnvironmentSpec& spec = config.spec();
-  const auto environment = registry.Make(config);
+/// @param environment  of the specification.
+void AddEpisode(Digest& digest, const EnvironmentSpec& spec,
+                environment::Environment& environment) {
   std::vector<float> observation(std::size_t(spec.observation_size()));
   std::vector<float> action(std::size_t(spec.action_size()));
   const auto add_observation = [&] {
@@ -78,7 +78,7 @@ void AddEpisode(Digest& digest, const environment::EnvironmentRegistry& registry
   };
   environment::EpisodeStart start({numbers::RandomPurpose::kEvaluate, kSeed, kNumber});
   const auto reset = [&] {
-    environment->Reset(start, observation);
+    environment.Reset(start, observation);
     add_observation();
   };
   reset();
@@ -88,7 +88,7 @@ void AddEpisode(Digest& digest, const environment::EnvironmentRegistry& registry
       action[std::size_t(i)] =
           static_cast<float>(low + (spec.action_high(i) - low) * start.random.Uniform());
     }
-    const environment::StepOutcome step = environment->Step(action, observation);
+    const environment::StepOutcome step = environment.Step(action, observation);
     add_observation();
     digest.Add(static_cast<float>(step.reward));
     if (step.terminated || step.truncated) reset();
@@ -99,7 +99,9 @@ std::string EnvironmentDigest(const environment::EnvironmentRegistry& registry,
                               const EnvironmentConfig& config) {
   Digest digest;
   AddElementary(digest);
-  AddEpisode(digest, registry, config);
+  const int tasks = std::max(1, config.spec().tasks_size());
+  for (int task = 0; task < tasks; ++task)
+    AddEpisode(digest, config.spec(), *registry.Make(config, static_cast<std::size_t>(task)));
   return digest.Hex();
 }
 
@@ -130,10 +132,10 @@ std::string PolicyDigest(const EnvironmentConfig& environment) {
   };
   PolicySnapshot snapshot;
   snapshot.parameters = uniform(policy::ActorLayout(shape).size, 0.25);
-  snapshot.observation_mean = uniform(observations, 1);
-  snapshot.observation_inv_std = uniform(observations, 4);
+  snapshot.observation_mean = uniform(shape.statistics(), 1);
+  snapshot.observation_inv_std = uniform(shape.statistics(), 4);
   policy::Policy policy(config, snapshot);
-  const policy::HeadSchedule schedule(config, policy::TrainingEpisode(config, 0));
+  const auto schedule = policy::HeadSchedule::OfTraining(config, 0);
   Digest digest;
   for (std::int32_t t = 0; t < kSteps; ++t) {
     const std::vector<float> observation = uniform(observations, 2);

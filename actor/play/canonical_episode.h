@@ -8,14 +8,14 @@ namespace metronome::play {
 
 /// The digest that two hosts must agree on to play the same episodes: two hex SHA-256 one after
 /// the other:
-/// - of the environment: 100 steps of `task` at a fixed start (the next one where it ends) under
-/// fixed pseudo-random actions
+/// - of the environment: 100 steps of `task` (of each, one after the other, where it names several)
+/// at a fixed start (the next one where it ends) under fixed pseudo-random actions
 ///   (observations and rewards as float32), and the elementary functions that noise, policy and
 ///   rewards use. Checkpoints of older builds hold it alone: it must not change;
 /// - of the policy: decisions of a network of the task's sizes and fixed pseudo-random weights,
 ///   whose sums and tanh are Eigen's.
-/// A pure function of the task, the engine, the build and the processor. About 0.1 s, and the
-/// scene's loading time.
+/// A pure function of the task, the engine, the build and the processor. About 0.1 s a task, and
+/// the scenes' loading time.
 /// @throws as EnvironmentRegistry::Make.
 std::string CanonicalDigest(const environment::EnvironmentRegistry& registry,
                             const std::string& task);

@@ -11,19 +11,27 @@ namespace {
 class EnvironmentPlayer final : public client::EpisodePlayer {
  public:
   EnvironmentPlayer(const environment::EnvironmentRegistry& registry, const RunConfig& config)
-      : config_(config) {
-    environments_.push_back(registry.Make(config.environment()));
+      : registry_(registry), config_(config), environments_(policy::TaskCount(config)) {
+    EnvironmentOf(0);  // what this machine lacks shows when the run starts
   }
 
   std::optional<Episode> Play(const PolicySnapshot& snapshot, std::uint64_t number,
                               const std::atomic<bool>& cancel) override {
-    return PlayEpisode(config_, snapshot, number,
-                       *environments_.at(policy::TaskOf(config_, number)), cancel);
+    return PlayEpisode(config_, snapshot, number, EnvironmentOf(policy::TaskOf(config_, number)),
+                       cancel);
   }
 
  private:
+  /// Made when it is first played.
+  environment::Environment& EnvironmentOf(std::size_t task) {
+    auto& environment = environments_.at(task);
+    if (!environment) environment = registry_.Make(config_.environment(), task);
+    return *environment;
+  }
+
+  const environment::EnvironmentRegistry& registry_;
   const RunConfig config_;
-  std::vector<std::unique_ptr<environment::Environment>> environments_;  // by TaskOf
+  std::vector<std::unique_ptr<environment::Environment>> environments_;  // [tasks]
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <iomanip>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -59,38 +60,79 @@ std::int32_t ThreadsFor(const EvaluateOptions& options, std::size_t episodes) {
                   static_cast<std::int32_t>(episodes));
 }
 
+/// All that an evaluation plays.
+struct Plan {
+  const EvaluateOptions& options;
+  const environment::EnvironmentRegistry& registry;
+  const PolicySnapshot& snapshot;
+  RunConfig config;  // from ConfigToEvaluate
+  RunConfig policy;  // from PolicyToEvaluate
+  std::vector<PlayedTask> tasks;
+};
+
+/// Holds one environment: episodes come task by task.
+class EvaluationPlayer {
+ public:
+  explicit EvaluationPlayer(const Plan& plan) : plan_(plan) { Enter(plan.tasks.front()); }
+
+  EvaluatedEpisode Play(const PlayedTask& task, std::uint64_t index) {
+    Enter(task);
+    return PlayDeterministic(plan_.policy, plan_.snapshot,
+                             EvaluationSchedule(plan_.options, plan_.policy, index, task.policy),
+                             EvaluationStart(plan_.options, plan_.config, index), *environment_);
+  }
+
+ private:
+  void Enter(const PlayedTask& task) {
+    if (environment_ && task.environment == entered_) return;
+    environment_ = plan_.registry.Make(plan_.config.environment(), task.environment);
+    entered_ = task.environment;
+  }
+
+  const Plan& plan_;
+  std::unique_ptr<environment::Environment> environment_;
+  std::size_t entered_ = 0;
+};
+
 // Shares the episodes out over threads; each result goes to its own place. What would be the same
-// again is not played again.
-Evaluation PlayAll(const EvaluateOptions& options, const RunConfig& config,
-                   const PolicySnapshot& snapshot,
-                   const environment::EnvironmentRegistry& registry) {
-  const std::int32_t asked = EpisodesOf(options, config, registry);
-  const std::int32_t different = DifferentEpisodes(options, config, registry).value_or(asked);
-  Evaluation evaluation;
-  evaluation.episodes.resize(static_cast<std::size_t>(std::min(asked, different)));
+// again is not played again. @return one a task.
+std::vector<Evaluation> PlayAll(const Plan& plan) {
+  const auto asked = static_cast<std::size_t>(EpisodesOf(plan.options, plan.config, plan.registry));
+  const auto different = static_cast<std::size_t>(
+      DifferentEpisodes(plan.options, plan.config, plan.registry).value_or(INT32_MAX));
+  const std::size_t played = std::min(asked, different);
+  std::vector<Evaluation> evaluations(plan.tasks.size());
+  for (Evaluation& evaluation : evaluations) evaluation.episodes.resize(asked);
   const auto make_worker = [&]() -> process::Worker {
-    const std::shared_ptr<environment::Environment> environment =
-        registry.Make(config.environment());
-    return [&, environment](std::size_t i) {
-      evaluation.episodes[i] =
-          PlayDeterministic(config, snapshot, EvaluationSchedule(options, config, i),
-                            EvaluationStart(options, config, i), *environment);
+    return [&, player = std::make_shared<EvaluationPlayer>(plan)](std::size_t i) {
+      const std::size_t task = i / played;
+      evaluations[task].episodes[i % played] = player->Play(plan.tasks[task], i % played);
     };
   };
-  process::ShareOut(evaluation.episodes.size(),
-                    static_cast<std::size_t>(ThreadsFor(options, evaluation.episodes.size())),
-                    make_worker, "--threads");
-  for (std::int32_t i = different; i < asked; ++i) {
-    evaluation.episodes.push_back(evaluation.episodes[static_cast<std::size_t>(i - different)]);
+  const std::size_t all = played * plan.tasks.size();
+  process::ShareOut(all, static_cast<std::size_t>(ThreadsFor(plan.options, all)), make_worker,
+                    "--threads");
+  for (Evaluation& evaluation : evaluations) {
+    for (std::size_t i = played; i < asked; ++i)
+      evaluation.episodes[i] = evaluation.episodes[i - played];
+    Summarise(evaluation);
   }
-  Summarise(evaluation);
-  return evaluation;
+  return evaluations;
+}
+
+/// Of all episodes of all tasks; as each has equally many, the means over tasks.
+Evaluation Together(const std::vector<Evaluation>& evaluations) {
+  Evaluation all;
+  for (const Evaluation& evaluation : evaluations)
+    all.episodes.insert(all.episodes.end(), evaluation.episodes.begin(), evaluation.episodes.end());
+  Summarise(all);
+  return all;
 }
 
 // Before scenes are loaded, and naming the option.
-void RequireOrderFits(const EvaluateOptions& options, const RunConfig& config) {
+void RequireOrderFits(const EvaluateOptions& options, const RunConfig& policy) {
   try {
-    EvaluationSchedule(options, config, 0);
+    EvaluationSchedule(options, policy, 0, 0);
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument("--head-order: " + std::string(error.what()));
   }
@@ -107,28 +149,28 @@ void WarnOfRepeats(const EvaluateOptions& options, const RunConfig& config,
       << asked << " are the same again: the interval is too narrow\n";
 }
 
+/// As a run is refused them. @throws std::invalid_argument.
+void RequirePlacements(const EnvironmentConfig& environment) {
+  if (environment.placements() == PLACEMENTS_BENCHMARK && !environment.spec().has_benchmark()) {
+    throw std::invalid_argument("--placements benchmark: " + environment.task() +
+                                " is none; mt1 has the official placements of each task");
+  }
+}
+
 /// An evaluation's circumstances, for its report.
 struct Report {
   const checkpoint::Checkpoint& checkpoint;
   const EvaluateOptions& options;
   const RunConfig& config;  // of the evaluation
+  const std::vector<PlayedTask>& tasks;
   std::vector<std::string> differences;
 };
 
-void PrintJson(const Evaluation& evaluation, const Report& report, std::ostream& out) {
-  const EnvironmentConfig& environment = report.config.environment();
-  nlohmann::ordered_json json;
-  json["task"] = environment.task();
-  json["version"] = report.checkpoint.state.version;
-  json["steps"] = report.checkpoint.state.steps;
-  json["episodes"] = evaluation.episodes.size();
-  json["placements"] = report.options.placements;
-  json["horizon"] = environment.horizon();
-  json["goal_visible"] = environment.goal_visible();
-  if (!report.options.head_order.empty()) json["head_order"] = report.options.head_order;
-  // null where the environment has no word for success.
-  const auto success = [&environment](double share) {
-    return environment.spec().has_success() ? nlohmann::ordered_json(share) : nullptr;
+/// What is said of a task as of them all. @param has_success  null where the environment has no
+/// word for success.
+void AddFigures(const Evaluation& evaluation, bool has_success, nlohmann::ordered_json& json) {
+  const auto success = [has_success](double share) {
+    return has_success ? nlohmann::ordered_json(share) : nullptr;
   };
   json["success"] = success(evaluation.success);
   json["success_low"] = success(evaluation.success_low);
@@ -138,14 +180,54 @@ void PrintJson(const Evaluation& evaluation, const Report& report, std::ostream&
   json["length"] = evaluation.mean_length;
   json["time_to_success"] = nullptr;
   if (evaluation.time_to_success) json["time_to_success"] = *evaluation.time_to_success;
+}
+
+void PrintJson(const std::vector<Evaluation>& evaluations, const Report& report,
+               std::ostream& out) {
+  const EnvironmentConfig& environment = report.config.environment();
+  const bool has_success = environment.spec().has_success();
+  const Evaluation evaluation = Together(evaluations);
+  nlohmann::ordered_json json;
+  json["task"] = environment.task();
+  json["version"] = report.checkpoint.state.version;
+  json["steps"] = report.checkpoint.state.steps;
+  json["episodes"] = evaluation.episodes.size();
+  json["placements"] = report.options.placements;
+  json["horizon"] = environment.horizon();
+  json["goal_visible"] = environment.goal_visible();
+  if (!report.options.head_order.empty()) json["head_order"] = report.options.head_order;
+  AddFigures(evaluation, has_success, json);
+  for (std::size_t i = 0; evaluations.size() > 1 && i < evaluations.size(); ++i) {
+    nlohmann::ordered_json& task = json["tasks"][report.tasks[i].name];
+    task["episodes"] = evaluations[i].episodes.size();
+    AddFigures(evaluations[i], has_success, task);
+  }
   json["engine_trained"] = report.checkpoint.engine;
   json["engine_used"] = process::EngineName();
   json["differences"] = report.differences;
   out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
 }
 
-void PrintText(const Evaluation& evaluation, const Report& report, std::ostream& out) {
+void PrintTasks(const std::vector<Evaluation>& evaluations, const Report& report,
+                std::ostream& out) {
+  std::size_t width = 4;
+  for (const PlayedTask& task : report.tasks) width = std::max(width, task.name.size());
+  const auto row = [&](const std::string& name, const auto&... cells) {
+    out << std::left << std::setw(static_cast<int>(width)) << name << std::right;
+    ((out << "  " << std::setw(11) << cells), ...);
+    out << '\n';
+  };
+  row("task", "success", "success_end", "return");
+  for (std::size_t i = 0; i < evaluations.size(); ++i) {
+    row(report.tasks[i].name, evaluations[i].success, evaluations[i].success_end,
+        evaluations[i].mean_return);
+  }
+}
+
+void PrintText(const std::vector<Evaluation>& evaluations, const Report& report,
+               std::ostream& out) {
   const EnvironmentConfig& environment = report.config.environment();
+  const Evaluation evaluation = Together(evaluations);
   const std::size_t episodes = evaluation.episodes.size();
   out << environment.task() << ", weights version " << report.checkpoint.state.version << " ("
       << report.checkpoint.state.steps << " steps), " << episodes
@@ -171,6 +253,7 @@ void PrintText(const Evaluation& evaluation, const Report& report, std::ostream&
   if (evaluation.time_to_success) {
     out << "first success after " << *evaluation.time_to_success << " steps in the mean\n";
   }
+  if (evaluations.size() > 1) PrintTasks(evaluations, report, out);
 }
 
 }  // namespace
@@ -184,8 +267,9 @@ void RequireValid(const EvaluateOptions& options) {
   if (std::find(known.begin(), known.end(), options.placements) == known.end()) {
     throw std::invalid_argument(text::UnknownName("--placements", options.placements, known));
   }
-  if (options.placements == "mt1" && options.seed > 0xffffffffULL) {
-    throw std::invalid_argument("--seed of mt1 placements must be below 2^32");
+  const bool official = options.placements == "mt1" || options.placements == "benchmark";
+  if (official && options.seed > 0xffffffffULL) {
+    throw std::invalid_argument("--seed of official placements must be below 2^32");
   }
 }
 
@@ -193,10 +277,12 @@ RunConfig ConfigToEvaluate(const checkpoint::Checkpoint& checkpoint, const Evalu
                            const environment::EnvironmentRegistry& registry) {
   RunConfig config = checkpoint.config;
   config::SetField(config, "environment.placements", options.placements);
-  if (options.task.empty()) return config;
   EnvironmentConfig& environment = *config.mutable_environment();
-  *environment.mutable_spec() = registry.Describe(options.task);
-  environment.set_task(environment.spec().short_name());
+  if (!options.task.empty()) {
+    *environment.mutable_spec() = registry.Describe(options.task);
+    environment.set_task(environment.spec().short_name());
+  }
+  RequirePlacements(environment);
   const policy::NetworkShape theirs = policy::ShapeOf(checkpoint.config),
                              ours = policy::ShapeOf(config);
   if (theirs.observation != ours.observation || theirs.action != ours.action) {
@@ -207,6 +293,31 @@ RunConfig ConfigToEvaluate(const checkpoint::Checkpoint& checkpoint, const Evalu
   }
   environment.set_horizon(std::min(environment.horizon(), environment.spec().max_steps()));
   return config;
+}
+
+RunConfig PolicyToEvaluate(const checkpoint::Checkpoint& checkpoint, const RunConfig& config) {
+  RunConfig policy = checkpoint.config;
+  policy.mutable_environment()->set_horizon(config.environment().horizon());
+  policy.mutable_environment()->set_placements(config.environment().placements());
+  return policy;
+}
+
+std::vector<PlayedTask> TasksToPlay(const checkpoint::Checkpoint& checkpoint,
+                                    const RunConfig& config,
+                                    const environment::EnvironmentRegistry& registry) {
+  const EnvironmentConfig& trained = checkpoint.config.environment();
+  const auto& known = trained.spec().tasks();
+  std::vector<PlayedTask> tasks;
+  for (const std::string& name : registry.TasksOf(config.environment().task())) {
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (!known.empty() && found == known.end()) {
+      throw std::invalid_argument("--task " + name + ": the policy was trained on " +
+                                  text::JoinNames({known.begin(), known.end()}));
+    }
+    const auto of_policy = known.empty() ? 0 : found - known.begin();
+    tasks.push_back({name, tasks.size(), static_cast<std::size_t>(of_policy)});
+  }
+  return tasks;
 }
 
 void Warn(const std::vector<std::string>& differences, std::ostream& err) {
@@ -236,18 +347,20 @@ std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
                                               const RunConfig& config,
                                               const environment::EnvironmentRegistry& registry) {
   const PolicyConfig& policy = config.policy();
+  const std::string task = registry.TasksOf(config.environment().task()).front();
   if (policy.schedule() == SCHEDULE_SHUFFLED && policy.heads() > 1 && options.head_order.empty()) {
     return std::nullopt;
   }
   if (config.environment().placements() == PLACEMENTS_FIXED) return 1;
-  const auto& different_starts = registry.Find(config.environment().task()).different_starts;
+  const auto& different_starts = registry.Find(task).different_starts;
   return different_starts ? different_starts(config.environment()) : std::nullopt;
 }
 
 policy::HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
-                                        std::uint64_t index) {
-  if (!options.head_order.empty()) return {config, options.head_order};
-  return {config, numbers::EpisodeKey{numbers::RandomPurpose::kEvaluate, options.seed, index}};
+                                        std::uint64_t index, std::size_t task) {
+  if (!options.head_order.empty()) return {config, options.head_order, task};
+  return {config, numbers::EpisodeKey{numbers::RandomPurpose::kEvaluate, options.seed, index},
+          task};
 }
 
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
@@ -283,19 +396,25 @@ int RunEvaluate(const EvaluateOptions& options, const environment::EnvironmentRe
     const checkpoint::Checkpoint checkpoint = checkpoint::LoadCheckpoint(
         options.checkpoint, [&registry](const auto& name) { return registry.Describe(name); });
     const RunConfig config = ConfigToEvaluate(checkpoint, options, registry);
-    RequireOrderFits(options, config);
+    const Plan plan{options,
+                    registry,
+                    checkpoint.state.policy,
+                    config,
+                    PolicyToEvaluate(checkpoint, config),
+                    TasksToPlay(checkpoint, config, registry)};
+    RequireOrderFits(options, plan.policy);
     if (const auto many = process::TooManyThreads(options.threads, "--threads")) {
       err << "warning: " << *many << '\n';
     }
-    const Report report{checkpoint, options, config,
+    const Report report{checkpoint, options, config, plan.tasks,
                         DifferencesFromTraining(checkpoint, options, config)};
     Warn(report.differences, err);
     WarnOfRepeats(options, config, registry, err);
-    const Evaluation evaluation = PlayAll(options, config, checkpoint.state.policy, registry);
+    const std::vector<Evaluation> evaluations = PlayAll(plan);
     if (options.json) {
-      PrintJson(evaluation, report, out);
+      PrintJson(evaluations, report, out);
     } else {
-      PrintText(evaluation, report, out);
+      PrintText(evaluations, report, out);
     }
     out << std::flush;
     if (!out) throw std::runtime_error("cannot write the result to standard output");

@@ -17,10 +17,12 @@ namespace metronome::play {
 
 struct EvaluateOptions {
   std::string checkpoint;
-  std::string task;                       // any accepted spelling; empty: the checkpoint's
-  std::optional<std::int32_t> episodes;   // none: 50, or all that differ where those are fewer
+  std::string task;                       // any accepted spelling, several too; empty: the
+                                          // checkpoint's
+  std::optional<std::int32_t> episodes;   // of each task; none: 50, or all that differ where those
+                                          // are fewer
   std::uint64_t seed = 1;                 // of random and mt1 placements and of shuffled heads
-  std::string placements = "random";      // random | fixed | mt1
+  std::string placements = "random";      // random | fixed | mt1 | benchmark
   std::vector<std::uint32_t> head_order;  // [k], who acts in each block; empty: as in training
   bool json = false;
   std::int32_t threads = 0;  // 0: all cores; never changes the result
@@ -35,6 +37,7 @@ struct EvaluatedEpisode {
   double episode_return = 0;
 };
 
+/// A task's episodes, or those of several tasks.
 struct Evaluation {
   std::vector<EvaluatedEpisode> episodes;
   double success = 0;      // share of episodes
@@ -50,11 +53,28 @@ struct Evaluation {
 /// @throws std::invalid_argument naming the option that cannot be as it is.
 void RequireValid(const EvaluateOptions& options);
 
-/// The configuration that evaluation episodes are played with: the checkpoint's, with the task and
-/// the placements of `options`. @throws std::invalid_argument for an unknown task, and for one
-/// whose observations or actions are of another size than the policy's.
+/// The configuration that evaluation episodes are played with: the checkpoint's, with the tasks and
+/// the placements of `options`; the policy's own (PolicyToEvaluate) has the tasks of its training.
+/// @throws std::invalid_argument for an unknown task, and for one whose observations or actions are
+/// of another size than the policy's.
 RunConfig ConfigToEvaluate(const checkpoint::Checkpoint& checkpoint, const EvaluateOptions& options,
                            const environment::EnvironmentRegistry& registry);
+
+/// The checkpoint's configuration for what plays it: with the horizon and placements of `config`.
+RunConfig PolicyToEvaluate(const checkpoint::Checkpoint& checkpoint, const RunConfig& config);
+
+/// A task to be played.
+struct PlayedTask {
+  std::string name;
+  std::size_t environment = 0;  // number among those of the evaluation's configuration
+  std::size_t policy = 0;       // number among those that the policy was trained on
+};
+
+/// The tasks of an evaluation. A policy of one task plays any; one of several those alone.
+/// @param config  from ConfigToEvaluate. @throws std::invalid_argument naming the task.
+std::vector<PlayedTask> TasksToPlay(const checkpoint::Checkpoint& checkpoint,
+                                    const RunConfig& config,
+                                    const environment::EnvironmentRegistry& registry);
 
 /// One line for each difference (training_differences.h).
 void Warn(const std::vector<std::string>& differences, std::ostream& err);
@@ -69,7 +89,8 @@ void WilsonInterval(std::int64_t successes, std::int64_t trials, double& low, do
 environment::EpisodeStart EvaluationStart(const EvaluateOptions& options, const RunConfig& config,
                                           std::uint64_t index);
 
-/// How many evaluation episodes differ from each other: those after them are the same again.
+/// How many evaluation episodes of each task differ from each other: those after them are the same
+/// again.
 /// std::nullopt: all do. @param config  from ConfigToEvaluate.
 std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
                                               const RunConfig& config,
@@ -78,15 +99,16 @@ std::optional<std::int32_t> DifferentEpisodes(const EvaluateOptions& options,
 /// The head for each step of evaluation episode `index`: the policy's own schedule, in the
 /// evaluation's own streams, or `options.head_order`. @throws std::invalid_argument if the policy
 /// has no such order.
+/// @param config  from PolicyToEvaluate. @param task  among those of the policy.
 policy::HeadSchedule EvaluationSchedule(const EvaluateOptions& options, const RunConfig& config,
-                                        std::uint64_t index);
+                                        std::uint64_t index, std::size_t task);
 
 /// Called after the reset, with t = 0 and an empty outcome, and after each step, with the number t
 /// of steps taken so far and what the last of them did.
 using StepWatcher = std::function<void(std::int32_t t, const environment::StepOutcome& step)>;
 
 /// Plays one episode with the mean action at every step.
-/// @param schedule  of the episode: at most T steps, k heads.
+/// @param config    from PolicyToEvaluate. @param schedule  of the episode.
 EvaluatedEpisode PlayDeterministic(const RunConfig& config, const PolicySnapshot& snapshot,
                                    const policy::HeadSchedule& schedule,
                                    environment::EpisodeStart start,

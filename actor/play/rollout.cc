@@ -90,7 +90,7 @@ std::optional<Episode> PlayEpisode(const RunConfig& config, const PolicySnapshot
   const auto observations = std::size_t(config.environment().spec().observation_size());
   const auto actions = std::size_t(config.environment().spec().action_size());
   policy::Policy policy(config, snapshot);
-  const policy::HeadSchedule schedule(config, policy::TrainingEpisode(config, number));
+  const auto schedule = policy::HeadSchedule::OfTraining(config, number);
   policy::ActionNoise noise(config, number);
   Episode episode = EmptyEpisode(number, snapshot.version, config.environment());
   stopwatch.Lap(process::CpuUse::kPolicy);

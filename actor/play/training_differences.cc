@@ -14,13 +14,19 @@ namespace {
 
 using Sentences = std::vector<std::string>;
 
+/// Placements that the seed chooses.
+bool AreOfficial(const EnvironmentConfig& environment) {
+  return environment.placements() == PLACEMENTS_MT1 ||
+         environment.placements() == PLACEMENTS_BENCHMARK;
+}
+
 /// The options that give the placements of training.
 std::string PlacementOptions(const RunConfig& trained) {
   const EnvironmentConfig& environment = trained.environment();
   std::string words =
       "--placements " +
       config::FieldText(environment, *environment.GetDescriptor()->FindFieldByName("placements"));
-  if (environment.placements() == PLACEMENTS_MT1) {
+  if (AreOfficial(environment)) {
     words += " --seed " + std::to_string(trained.seed());
   }
   return words;
@@ -50,14 +56,15 @@ void AddEnvironment(const RunConfig& trained, const RunConfig& played, Sentences
 
 void AddSeed(const RunConfig& trained, const EvaluateOptions& options, const RunConfig& played,
              Sentences& sentences) {
-  const auto is_mt1 = [](const RunConfig& config) {
-    return config.environment().placements() == PLACEMENTS_MT1;
-  };
-  if (!is_mt1(trained) || !is_mt1(played) || options.seed == trained.seed()) return;
+  const Placements placements = trained.environment().placements();
+  const bool same =
+      AreOfficial(trained.environment()) && played.environment().placements() == placements;
+  if (!same || options.seed == trained.seed()) return;
   const std::string seed = std::to_string(trained.seed());
-  sentences.push_back("trained on the mt1 placements of seed " + seed +
-                      ", evaluated on those of seed " + std::to_string(options.seed) +
-                      " (as in training: --seed " + seed + ")");
+  sentences.push_back(std::string("trained on the ") +
+                      (placements == PLACEMENTS_MT1 ? "mt1" : "benchmark") +
+                      " placements of seed " + seed + ", evaluated on those of seed " +
+                      std::to_string(options.seed) + " (as in training: --seed " + seed + ")");
 }
 
 /// Heads that act in blocks do so in the order 0, 1, ...

@@ -150,7 +150,7 @@ TrainState StateOfOldFormat(const std::string& bytes, const RunConfig& config,
   state.steps = old.steps();
   state.episodes_used = old.episodes_used();
   state.canonical_digest = old.canonical_digest();
-  state.policy = policy::MakeSnapshot(state.version, parameters.data(), observation, config);
+  state.policy = policy::MakeSnapshot(state.version, parameters.data(), {observation}, config);
   state.weights = {parameters.size(), process::WeightsSha256(parameters)};
   state.algorithm = {"ppo", 1, bytes};
   return state;
@@ -167,7 +167,7 @@ void RequireValid(const RunConfig& config, const std::string& name) {
 void RequireFit(const PolicySnapshot& policy, const RunConfig& config, const std::string& name) {
   RequireSize(policy.parameters.size(), policy::ActorLayout(policy::ShapeOf(config)).size,
               "the policy", name);
-  const auto observations = static_cast<std::size_t>(policy::ShapeOf(config).observation);
+  const std::size_t observations = policy::ShapeOf(config).statistics();
   RequireSize(policy.observation_mean.size(), observations, "the observations' mean", name);
   RequireSize(policy.observation_inv_std.size(), observations, "the observations' scale", name);
 }

@@ -7,6 +7,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "common/policy/task_of.h"
+
 namespace metronome::config {
 namespace {
 
@@ -34,12 +36,22 @@ void RequireSameAlgorithm(const ParsedConfig& parsed, const ConfigOrigins& origi
 }  // namespace
 
 RunConfig Resolve(RunConfig config) {
+  const bool batch_given = config.collection().has_episodes_per_update();
   FillDefaults(config);
   auto& environment = *config.mutable_environment();
   if (environment.spec().name().empty()) environment.clear_spec();
   if (!environment.has_horizon()) environment.set_horizon(environment.spec().max_steps());
   auto& policy = *config.mutable_policy();
-  if (!policy.has_heads()) policy.set_heads(policy.method() == MULTIHEAD ? kDefaultHeads : 1);
+  if (!policy.has_heads()) {
+    const bool by_time = policy.method() == MULTIHEAD && policy.heads_by() != HEADS_BY_TASK;
+    policy.set_heads(by_time ? kDefaultHeads : 1);
+  }
+  if (!batch_given) {
+    auto& collection = *config.mutable_collection();
+    const auto tasks = static_cast<std::int32_t>(policy::TaskCount(config));
+    collection.set_episodes_per_update((collection.episodes_per_update() + tasks - 1) / tasks *
+                                       tasks);
+  }
   if (policy.hidden_size() == 0) {
     for (int layer = 0; layer < 2; ++layer) policy.add_hidden(kDefaultWidth);
   }

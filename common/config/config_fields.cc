@@ -98,6 +98,9 @@ bool IsChosen(const Message& message, const FieldDescriptor& field) {
 /// Sets one value from what people write; a repeated field gets one more.
 void AddValue(Message& owner, const std::string& path, const std::string& text,
               const FieldDescriptor& field) {
+  if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING) {
+    return owner.GetReflection()->AddString(&owner, &field, text);
+  }
   std::string value = text;
   if (const EnumDescriptor* type = field.enum_type()) {
     const EnumValueDescriptor* found = FindEnumValue(*type, text);
@@ -111,7 +114,7 @@ void AddValue(Message& owner, const std::string& path, const std::string& text,
 void SetLeaf(Message& owner, const std::string& path, const std::string& text,
              const FieldDescriptor& field) {
   const auto* reflection = owner.GetReflection();
-  if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING) {
+  if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING && !field.is_repeated()) {
     return reflection->SetString(&owner, &field, text);
   }
   reflection->ClearField(&owner, &field);
@@ -205,7 +208,9 @@ std::string FieldText(const Message& owner, const FieldDescriptor& field) {
     std::string text;
     for (int i = 0; i < reflection->FieldSize(owner, &field); ++i) {
       if (i > 0) text += ',';
-      text += PrintValue(owner, field, i);
+      text += field.cpp_type() == FieldDescriptor::CPPTYPE_STRING
+                  ? reflection->GetRepeatedString(owner, &field, i)
+                  : PrintValue(owner, field, i);
     }
     return text;
   }

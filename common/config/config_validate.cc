@@ -150,6 +150,49 @@ void CheckSpec(const EnvironmentConfig& environment, Complaints& complaints) {
   }
 }
 
+void CheckTasks(const RunConfig& config, Complaints& complaints) {
+  const EnvironmentConfig& environment = config.environment();
+  const int tasks = environment.spec().tasks_size();
+  if (tasks > kMaxTasks) {
+    complaints.Add("environment.task", "names " + std::to_string(tasks) +
+                                           " tasks: must be at most " + std::to_string(kMaxTasks));
+    return;
+  }
+  const std::string several = environment.task() + ", " + std::to_string(tasks) + " tasks";
+  if (tasks > 1 && environment.placements() == PLACEMENTS_FIXED) {
+    complaints.Add("environment.placements",
+                   "is fixed, for " + several + ": must be random, mt1" +
+                       (environment.spec().has_benchmark() ? " or benchmark" : ""));
+  }
+  if (environment.placements() == PLACEMENTS_BENCHMARK && !environment.spec().has_benchmark()) {
+    complaints.Add("environment.placements", "is benchmark, and " + environment.task() +
+                                                 " is none: must be random, mt1" +
+                                                 (tasks > 1 ? "" : " or fixed"));
+  }
+  const int episodes = config.collection().episodes_per_update();
+  if (tasks > 1 && episodes > 0 && episodes % tasks != 0) {
+    complaints.Add("collection.episodes_per_update",
+                   "is " + std::to_string(episodes) + ", for " + several +
+                       ": must be a multiple, as " +
+                       std::to_string((episodes + tasks - 1) / tasks * tasks) +
+                       ", so that each has equally many");
+  }
+  const HeadsBy by = config.policy().heads_by();
+  if (by != HEADS_BY_TIME && tasks <= 1) {
+    complaints.Add("policy.heads_by", "is not time: that takes several tasks");
+  } else if (by != HEADS_BY_TIME && config.policy().method() != MULTIHEAD) {
+    complaints.Add("policy.heads_by", "is not time: that takes the method multihead");
+  } else if (by == HEADS_BY_TASK && config.policy().heads() != 1) {
+    complaints.Add("policy.heads", "is " + std::to_string(config.policy().heads()) +
+                                       ": with heads by task each has 1 (task-time takes more)");
+  } else if (std::int64_t{config.policy().heads()} * tasks > kMaxHeads) {
+    complaints.Add("policy.heads", "is " + std::to_string(config.policy().heads()) +
+                                       " for each of " + std::to_string(tasks) +
+                                       " tasks: must be at most " + std::to_string(kMaxHeads) +
+                                       " in all");
+  }
+}
+
 void CheckEnvironment(const RunConfig& config, Complaints& complaints) {
   const auto& environment = config.environment();
   if (!environment.has_task()) {
@@ -160,10 +203,13 @@ void CheckEnvironment(const RunConfig& config, Complaints& complaints) {
                                            ": nothing says how large its observations are");
   } else {
     CheckSpec(environment, complaints);
+    CheckTasks(config, complaints);
   }
-  if (environment.placements() == PLACEMENTS_MT1 && config.seed() > kMostMt1Seed) {
+  const bool official = environment.placements() == PLACEMENTS_MT1 ||
+                        environment.placements() == PLACEMENTS_BENCHMARK;
+  if (official && config.seed() > kMostMt1Seed) {
     complaints.Add("seed", "is " + std::to_string(config.seed()) +
-                               ": with mt1 placements it must be from 0 to " +
+                               ": with official placements it must be from 0 to " +
                                std::to_string(kMostMt1Seed));
   }
 }

@@ -110,6 +110,20 @@ ActorReport FromWire(const wire::ActorReport& sample) {
   return message;
 }
 
+wire::TaskStatus ToWire(const TaskStatus& message) {
+  wire::TaskStatus sample;
+  CopyText(message.name, "name of a task", &sample.name());
+  METRONOME_TASK_NUMBERS(METRONOME_TO_WIRE)
+  return sample;
+}
+
+TaskStatus FromWire(const wire::TaskStatus& sample) {
+  TaskStatus message;
+  message.name = sample.name().to_string();
+  METRONOME_TASK_NUMBERS(METRONOME_FROM_WIRE)
+  return message;
+}
+
 }  // namespace
 
 std::uint32_t SnapshotChecksum(const PolicySnapshot& snapshot) {
@@ -289,6 +303,8 @@ wire::LearnerStatus ToWire(const LearnerStatus& message) {
   sample.protocol_version(kProtocolVersion);
   METRONOME_LEARNER_IDENTITY(METRONOME_TO_WIRE)
   METRONOME_RUN_NUMBERS(METRONOME_TO_WIRE)
+  CheckAtMost(message.tasks.size(), wire::kMaxTasks, "tasks");
+  for (const TaskStatus& task : message.tasks) sample.tasks().push_back(ToWire(task));
   // More are counted in actors_total, not listed.
   const std::size_t listed = std::min<std::size_t>(message.actors.size(), wire::kMaxActorReports);
   for (std::size_t i = 0; i < listed; ++i) sample.actors().push_back(ToWire(message.actors[i]));
@@ -296,10 +312,12 @@ wire::LearnerStatus ToWire(const LearnerStatus& message) {
 }
 
 LearnerStatus FromWire(const wire::LearnerStatus& sample) {
+  CheckAtMost(sample.tasks().size(), wire::kMaxTasks, "tasks");
   CheckAtMost(sample.actors().size(), wire::kMaxActorReports, "actors");
   LearnerStatus message;
   METRONOME_LEARNER_IDENTITY(METRONOME_FROM_WIRE)
   METRONOME_RUN_NUMBERS(METRONOME_FROM_WIRE)
+  for (const wire::TaskStatus& task : sample.tasks()) message.tasks.push_back(FromWire(task));
   for (const wire::ActorReport& actor : sample.actors()) message.actors.push_back(FromWire(actor));
   return message;
 }

@@ -10,6 +10,8 @@ namespace metronome {
 inline constexpr int kMaxObservationSize = 1024;
 inline constexpr int kMaxActionSize = 64;
 inline constexpr int kMaxSteps = 10000;
+inline constexpr int kMaxTasks = 64;     // of a run
+inline constexpr int kMaxHeads = 65535;  // of a policy in all: Episode::head has 16 bits
 
 /// Bits of Episode::flags.
 enum StepFlag : std::uint8_t {

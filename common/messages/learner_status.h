@@ -88,6 +88,16 @@ std::string StateText(LearnerState state);
   FIELD(bool, unanswering, "actor_unanswering",                                                \
         "1 if the actor gave up an assignment and has brought nothing since; else 0.")
 
+/// The same for each number of one of several tasks.
+#define METRONOME_TASK_NUMBERS(FIELD)                                                            \
+  FIELD(double, mean_return, "task_return",                                                      \
+        "Mean undiscounted return of the task's episodes in the last update.")                   \
+  FIELD(double, success, "task_success_ratio",                                                   \
+        "Share, 0 to 1, of the task's episodes in the last update that succeeded at any step.")  \
+  FIELD(double, success_end, "task_success_at_end_ratio",                                        \
+        "Share, 0 to 1, of the task's episodes in the last update that succeeded at their last " \
+        "step.")
+
 /// FIELD(type, name) for each field that says which learner this is, and its state.
 #define METRONOME_LEARNER_IDENTITY(FIELD) \
   FIELD(std::string, run_name)            \
@@ -108,11 +118,19 @@ struct ActorReport {
   bool operator==(const ActorReport&) const = default;
 };
 
+/// One of several tasks that are learnt together.
+struct TaskStatus {
+  std::string name;
+  METRONOME_TASK_NUMBERS(METRONOME_MEMBER)
+  bool operator==(const TaskStatus&) const = default;
+};
+
 /// Learner to whoever watches, about once a second and at the end. Wall-clock: shown, never used.
 struct LearnerStatus {
   using State = LearnerState;
   METRONOME_LEARNER_IDENTITY(METRONOME_MEMBER)
   METRONOME_RUN_NUMBERS(METRONOME_MEMBER)
+  std::vector<TaskStatus> tasks;    // of several, each
   std::vector<ActorReport> actors;  // all of them, or as many as the wire carries
   double age_seconds = 0;           // not sent: since it was written, as whoever watches reckons
   bool operator==(const LearnerStatus&) const = default;
@@ -127,7 +145,7 @@ struct StatusNumber {
   const char* help;
 };
 
-/// The three below call `visit` for each field of a list, in its order.
+/// The four below call `visit` for each field of a list, in its order.
 /// @param visit  takes the name and a pointer to the member.
 template <class Visit>
 void VisitLearnerIdentity(Visit visit) {
@@ -151,6 +169,15 @@ void VisitActorNumbers(Visit visit) {
 #define METRONOME_VISIT(type, name, metric, help) \
   visit(StatusNumber{#name, "metronome_" metric, help}, &ActorReport::name);
   METRONOME_ACTOR_NUMBERS(METRONOME_VISIT)
+#undef METRONOME_VISIT
+}
+
+/// @param visit  takes a StatusNumber and a pointer to the member.
+template <class Visit>
+void VisitTaskNumbers(Visit visit) {
+#define METRONOME_VISIT(type, name, metric, help) \
+  visit(StatusNumber{#name, "metronome_" metric, help}, &TaskStatus::name);
+  METRONOME_TASK_NUMBERS(METRONOME_VISIT)
 #undef METRONOME_VISIT
 }
 

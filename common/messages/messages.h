@@ -13,8 +13,8 @@ namespace metronome {
 /// Grows whenever wire types or the meaning of a message change. Peers of another version are
 /// refused, both versions named. 2: the configuration names the heads' schedule. 3: and the
 /// correlation of exploration noise. 4: and describes the environment, whose sizes are the
-/// episodes'.
-inline constexpr std::uint32_t kProtocolVersion = 5;
+/// episodes'. 6: several tasks, each with statistics and a status of its own.
+inline constexpr std::uint32_t kProtocolVersion = 6;
 
 /// Learner to all: everything an actor needs to know. The newest incarnation rules.
 struct RunDescription {

@@ -23,20 +23,28 @@ numbers::EpisodeKey TrainingEpisode(const RunConfig& config, std::uint64_t numbe
 ///
 /// An evaluation may also say itself which head gets which block.
 ///
+/// Of several tasks, policy.heads_by says whether tasks share these heads; where they do not, the
+/// heads of task i are numbers i * k to i * k + k - 1.
+///
 /// Immutable, hence thread-safe.
 class HeadSchedule {
  public:
+  /// Of training episode `number`, which says its task. Here and below:
   /// @param config  resolved. @throws std::invalid_argument unless 1 <= policy.heads <= T.
-  HeadSchedule(const RunConfig& config, const numbers::EpisodeKey& episode);
+  static HeadSchedule OfTraining(const RunConfig& config, std::uint64_t number);
+
+  /// Of any episode of the run's task number `task`. @throws as above, std::out_of_range for a task
+  /// that the run does not have.
+  HeadSchedule(const RunConfig& config, const numbers::EpisodeKey& episode, std::size_t task);
 
   /// As in blocks, but block b belongs to head order[b]. A head may have several, or none.
-  /// @param order  [k], heads. @throws std::invalid_argument if it has another size or a head
-  /// outside
+  /// @param order  [k], heads of the task. @throws std::invalid_argument if it has another size or
+  /// a head outside
   ///               [0, k), if heads are interleaved, and as above.
-  HeadSchedule(const RunConfig& config, std::vector<std::uint32_t> order);
+  HeadSchedule(const RunConfig& config, std::vector<std::uint32_t> order, std::size_t task);
 
   /// @param t  environment steps taken since reset, in [0, T).
-  /// @return   head in [0, k).
+  /// @return   head in [0, heads()).
   /// @throws std::out_of_range if t is outside [0, T).
   [[nodiscard]] std::int32_t HeadAt(std::int32_t t) const;
 
@@ -46,13 +54,19 @@ class HeadSchedule {
   /// @throws std::out_of_range if t is outside [0, T].
   [[nodiscard]] std::int32_t ValueHeadAt(std::int32_t t) const;
 
-  [[nodiscard]] std::int32_t heads() const { return heads_; }
+  [[nodiscard]] std::int32_t heads() const { return all_heads_; }  // of all tasks
   [[nodiscard]] std::int32_t horizon() const { return horizon_; }
+  [[nodiscard]] std::size_t task() const { return task_; }
+  /// The first of the heads that act in the episode; they are policy.heads in a row.
+  [[nodiscard]] std::int32_t first_head() const { return first_; }
 
  private:
-  explicit HeadSchedule(const RunConfig& config);
+  HeadSchedule(const RunConfig& config, std::size_t task);
 
-  std::int32_t heads_;
+  std::size_t task_;
+  std::int32_t heads_;      // k
+  std::int32_t all_heads_;  // of all tasks
+  std::int32_t first_;      // of the task
   std::int32_t horizon_;
   bool interleaved_;
   std::vector<std::uint32_t> order_;  // of the blocks' heads; empty: block b belongs to head b

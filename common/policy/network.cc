@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/policy/task_of.h"
+
 namespace metronome::policy {
 namespace {
 
@@ -54,7 +56,9 @@ NetworkShape ShapeOf(const RunConfig& config) {
   shape.observation = config.environment().spec().observation_size();
   shape.action = config.environment().spec().action_size();
   shape.hidden.assign(policy.hidden().begin(), policy.hidden().end());
-  shape.heads = policy.heads();
+  shape.tasks = static_cast<std::int32_t>(TaskCount(config));
+  shape.task_onehot = shape.tasks > 1 && config.environment().task_id() == TASK_ID_ONEHOT;
+  shape.heads = policy.heads() * (policy.heads_by() == HEADS_BY_TIME ? 1 : shape.tasks);
   shape.critic_heads = policy.critic_heads() == CRITIC_HEADS_SHARED ? 1 : shape.heads;
   return shape;
 }

@@ -11,13 +11,21 @@ namespace metronome::policy {
 /// Shape of actor and critic: separate tanh MLPs of equal widths.
 struct NetworkShape {
   std::int32_t observation = 1;
-  bool time_feature = false;  // single-time: 2t/T-1 is appended, after normalisation
+  std::int32_t tasks = 1;     // each with observation statistics of its own
+  bool task_onehot = false;   // a number a task is appended, after normalisation
+  bool time_feature = false;  // single-time: 2t/T-1 is appended, after normalisation and task
   std::vector<std::int32_t> hidden = {128, 128};
-  std::int32_t heads = 10;
+  std::int32_t heads = 10;         // in all: by time, by task or by both
   std::int32_t critic_heads = 10;  // one a head, or 1 for all (policy.critic_heads)
   std::int32_t action = 1;
 
-  [[nodiscard]] std::int32_t input() const { return observation + (time_feature ? 1 : 0); }
+  [[nodiscard]] std::int32_t input() const {
+    return observation + (task_onehot ? tasks : 0) + (time_feature ? 1 : 0);
+  }
+  /// Numbers of the observation statistics: [tasks, observation].
+  [[nodiscard]] std::size_t statistics() const {
+    return std::size_t(tasks) * std::size_t(observation);
+  }
   /// The critic's head that values the states of the policy's `head`.
   [[nodiscard]] std::int32_t value_head(std::int32_t head) const {
     return critic_heads == 1 ? 0 : head;

@@ -29,9 +29,9 @@ Policy::Policy(const RunConfig& config, const PolicySnapshot& snapshot)
       observation_inv_std_(snapshot.observation_inv_std),
       input_(shape_.input(), kStates) {
   const MlpLayout layout = ActorLayout(shape_);
-  const auto observations = static_cast<std::size_t>(shape_.observation);
-  if (snapshot.parameters.size() != layout.size || observation_mean_.size() != observations ||
-      observation_inv_std_.size() != observations) {
+  if (snapshot.parameters.size() != layout.size ||
+      observation_mean_.size() != shape_.statistics() ||
+      observation_inv_std_.size() != shape_.statistics()) {
     throw std::invalid_argument("policy snapshot " + std::to_string(snapshot.version) + " has " +
                                 std::to_string(snapshot.parameters.size()) +
                                 " parameters, the run's network needs " +
@@ -122,9 +122,10 @@ template <int States>
 void Policy::MeansOf(const HeadSchedule& schedule, const float* observations, std::int32_t t,
                      Action* means) {
   RequireFit(schedule);
+  const Normaliser normaliser{observation_mean_.data(), observation_inv_std_.data(), clip_};
   for (int s = 0; s < States; ++s) {
-    WriteInput(shape_, observations + s * shape_.observation, observation_mean_.data(),
-               observation_inv_std_.data(), clip_, t + s, schedule.horizon(), input_.col(s).data());
+    WriteInput(shape_, normaliser, observations + s * shape_.observation, schedule.task(), t + s,
+               schedule.horizon(), input_.col(s).data());
   }
   const Eigen::MatrixXf* below = &input_;
   for (std::size_t i = 0; i < hidden_.size(); ++i) {

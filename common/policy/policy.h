@@ -38,7 +38,7 @@ class Policy {
 
   /// Mean action of the head that owns step t. Here and below:
   /// @param schedule     of the episode. @throws std::invalid_argument if it has another k.
-  /// @param observation  [O], as published. @param t  in [0, T).
+  /// @param observation  [O], as published, of the schedule's task. @param t  in [0, T).
   Action Mean(const HeadSchedule& schedule, const float* observation, std::int32_t t);
 
   /// Mean of kStates consecutive steps at once, to the bit as one by one and in half the time.

@@ -32,18 +32,22 @@ std::optional<std::string> Beyond(const char* what, const float* begin, const fl
 }  // namespace
 
 PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor,
-                            const RunningStatistics& observation, const RunConfig& config) {
-  const auto observations = static_cast<std::size_t>(ShapeOf(config).observation);
+                            const std::vector<RunningStatistics>& observation,
+                            const RunConfig& config) {
+  const NetworkShape shape = ShapeOf(config);
+  const auto observations = static_cast<std::size_t>(shape.observation);
   PolicySnapshot snapshot;
   snapshot.version = version;
-  snapshot.parameters.assign(actor, actor + ActorLayout(ShapeOf(config)).size);
-  snapshot.observation_mean.assign(observations, 0.0F);
-  snapshot.observation_inv_std.assign(observations, 1.0F);
-  if (observation.count > 0) {
+  snapshot.parameters.assign(actor, actor + ActorLayout(shape).size);
+  snapshot.observation_mean.assign(shape.statistics(), 0.0F);
+  snapshot.observation_inv_std.assign(shape.statistics(), 1.0F);
+  for (std::size_t task = 0; task < observation.size(); ++task) {
+    const RunningStatistics& of_task = observation[task];
+    if (of_task.count == 0) continue;
     for (std::size_t i = 0; i < observations; ++i) {
-      const double variance = observation.m2[i] / observation.count;
-      snapshot.observation_mean[i] = float(observation.mean[i]);
-      snapshot.observation_inv_std[i] =
+      const double variance = of_task.m2[i] / of_task.count;
+      snapshot.observation_mean[task * observations + i] = float(of_task.mean[i]);
+      snapshot.observation_inv_std[task * observations + i] =
           float(1 / std::sqrt(variance + config.policy().observation_epsilon()));
     }
   }
@@ -63,9 +67,9 @@ std::optional<std::string> SnapshotDefect(const PolicySnapshot& snapshot, const 
   if (auto beyond = Beyond("a parameter", parameters.data(), log_std, kLargest)) return beyond;
   if (auto beyond = Beyond("a log-std", log_std, end, kLargestLogStd)) return beyond;
   for (const auto* statistics : {&snapshot.observation_mean, &snapshot.observation_inv_std}) {
-    if (statistics->size() != static_cast<std::size_t>(shape.observation)) {
+    if (statistics->size() != shape.statistics()) {
       return "its observation statistics are of " + std::to_string(statistics->size()) +
-             " numbers, observations of " + std::to_string(shape.observation);
+             " numbers, observations of all tasks of " + std::to_string(shape.statistics());
     }
     if (auto beyond = Beyond("an observation statistic", statistics->data(),
                              statistics->data() + statistics->size(), kLargest)) {

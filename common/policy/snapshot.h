@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/messages/messages.h"
 #include "common/policy/running_statistics.h"
@@ -12,10 +13,12 @@ namespace metronome::policy {
 
 /// The policy for actors at `version`; incarnation is left 0 for the sender to fill.
 /// @param actor        the policy's parameters, ActorLayout(ShapeOf(config)).size floats.
-/// @param observation  what observations are normalised by; empty: not at all.
+/// @param observation  what observations are normalised by, one a task; those without a count, and
+///                     all where there are none: not at all.
 /// @param config       resolved.
 PolicySnapshot MakeSnapshot(std::uint64_t version, const float* actor,
-                            const RunningStatistics& observation, const RunConfig& config);
+                            const std::vector<RunningStatistics>& observation,
+                            const RunConfig& config);
 
 /// The reason why actors cannot act with a snapshot, for a message: another shape than the resolved
 /// configuration's, or numbers so large or small that float32 may give an action or log-probability

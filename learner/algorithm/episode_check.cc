@@ -167,7 +167,7 @@ std::optional<std::string> CheckEpisode(const Episode& episode, policy::Policy& 
   if (auto reason = CheckShape(episode, config.environment())) return reason;
   if (auto reason = CheckFinite(episode)) return reason;
   if (auto reason = CheckRange(episode)) return reason;
-  const policy::HeadSchedule schedule(config, policy::TrainingEpisode(config, episode.number));
+  const auto schedule = policy::HeadSchedule::OfTraining(config, episode.number);
   if (auto reason = CheckHeads(episode, schedule)) return reason;
   if (auto reason = CheckFlags(episode, config.environment().spec())) return reason;
   Recomputation of{episode, config, schedule, policy, policy::ActionNoise(config, episode.number)};

@@ -41,7 +41,7 @@ class PpoAlgorithm final : public algorithm::Algorithm {
     return checker_.Check(episode, snapshot);
   }
   [[nodiscard]] std::vector<algorithm::Metric> Metrics() const override {
-    return PpoMetrics(EmptyPpoReport(std::size_t(config_.policy().heads())));
+    return PpoMetrics(EmptyPpoReport(std::size_t(policy::ShapeOf(config_).heads)));
   }
 
  private:

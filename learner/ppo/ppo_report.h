@@ -19,7 +19,7 @@ struct PpoReport : algorithm::UpdateReport {
   double explained_variance = 0;  // of the returns by the values before the update
   double gradient_norm = 0;       // before clipping, mean over all minibatches
   double learning_rate = 0;
-  double reward_scale = 0;  // what rewards were divided by
+  double reward_scale = 0;  // what rewards were divided by, mean over tasks
   std::int32_t epochs = 0;  // made before the KL stop
   std::uint64_t lag = 0;    // updates between the behaviour's weights and those trained
   // Per head, [k]. By the weights after the update:
@@ -31,7 +31,7 @@ struct PpoReport : algorithm::UpdateReport {
   std::vector<double> head_clip_share;
 };
 
-/// Of a run with `heads` heads, before any update.
+/// Of a policy with `heads` heads in all, before any update.
 PpoReport EmptyPpoReport(std::size_t heads);
 
 /// PPO's own metrics, in the order of progress.csv's columns: of all samples, then those per head.

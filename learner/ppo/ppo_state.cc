@@ -6,6 +6,7 @@
 #include "common/checkpoint/repeated_field.h"
 #include "common/policy/network.h"
 #include "common/policy/snapshot.h"
+#include "common/policy/task_of.h"
 #include "common/process/sha256.h"
 #include "learner/algorithm/algorithm_factory.h"
 #include "learner/ppo/ppo_state.pb.h"
@@ -15,15 +16,25 @@ namespace {
 
 constexpr char kName[] = "ppo";
 
-void ToPayload(const policy::RunningStatistics& statistics, PpoStatePayload::Statistics& payload) {
-  payload.mutable_mean()->Assign(statistics.mean.begin(), statistics.mean.end());
-  payload.mutable_m2()->Assign(statistics.m2.begin(), statistics.m2.end());
-  payload.set_count(statistics.count);
+using Statistics = std::vector<policy::RunningStatistics>;
+using StatisticsField = google::protobuf::RepeatedPtrField<PpoStatePayload::Statistics>;
+
+void ToPayload(const Statistics& statistics, StatisticsField& field) {
+  for (const policy::RunningStatistics& of_task : statistics) {
+    PpoStatePayload::Statistics& payload = *field.Add();
+    payload.mutable_mean()->Assign(of_task.mean.begin(), of_task.mean.end());
+    payload.mutable_m2()->Assign(of_task.m2.begin(), of_task.m2.end());
+    payload.set_count(of_task.count);
+  }
 }
 
-policy::RunningStatistics FromPayload(const PpoStatePayload::Statistics& payload) {
-  return {checkpoint::FromField(payload.mean()), checkpoint::FromField(payload.m2()),
-          payload.count()};
+Statistics FromPayload(const StatisticsField& field) {
+  Statistics statistics;
+  for (const PpoStatePayload::Statistics& payload : field) {
+    statistics.push_back({checkpoint::FromField(payload.mean()),
+                          checkpoint::FromField(payload.m2()), payload.count()});
+  }
+  return statistics;
 }
 
 std::string BytesOf(const PpoState& state) {
@@ -47,12 +58,19 @@ void RequireSize(std::size_t size, std::size_t wanted, const std::string& what) 
                                  std::to_string(wanted));
 }
 
-void RequireStatistics(const policy::RunningStatistics& statistics, std::size_t dimensions,
+void RequireStatistics(const Statistics& statistics, std::size_t tasks, std::size_t dimensions,
                        const std::string& what) {
-  const bool empty = statistics.mean.empty() && statistics.m2.empty() && statistics.count == 0;
-  if (empty) return;
-  RequireSize(statistics.mean.size(), dimensions, what);
-  RequireSize(statistics.m2.size(), dimensions, what);
+  if (statistics.size() != tasks) {
+    throw algorithm::UnusableState("its state of ppo has another shape: " + what + " are of " +
+                                   std::to_string(statistics.size()) +
+                                   " tasks, its configuration has " + std::to_string(tasks));
+  }
+  for (const policy::RunningStatistics& of_task : statistics) {
+    const bool empty = of_task.mean.empty() && of_task.m2.empty() && of_task.count == 0;
+    if (empty) continue;
+    RequireSize(of_task.mean.size(), dimensions, what);
+    RequireSize(of_task.m2.size(), dimensions, what);
+  }
 }
 
 void RequireFit(const PpoState& state, const RunConfig& config) {
@@ -66,10 +84,11 @@ void RequireFit(const PpoState& state, const RunConfig& config) {
                 "the previous policy");
   }
   const auto observations = std::size_t(shape.observation);
-  RequireStatistics(state.observation, observations, "the observation statistics");
-  RequireStatistics(state.previous_observation, observations,
+  const auto tasks = std::size_t(shape.tasks);
+  RequireStatistics(state.observation, tasks, observations, "the observation statistics");
+  RequireStatistics(state.previous_observation, tasks, observations,
                     "the previous observation statistics");
-  RequireStatistics(state.reward_return, 1, "the return statistics");
+  RequireStatistics(state.reward_return, tasks, 1, "the return statistics");
 }
 
 }  // namespace
@@ -113,6 +132,9 @@ PpoState DecodePpoState(const checkpoint::TrainState& encoded, const RunConfig& 
   state.reward_return = FromPayload(payload.reward_return());
   state.previous_actor = checkpoint::FromField(payload.previous_actor());
   state.previous_observation = FromPayload(payload.previous_observation());
+  // Of files from before overlap.
+  if (state.previous_observation.empty())
+    state.previous_observation.resize(policy::TaskCount(config));
   RequireFit(state, config);
   return state;
 }

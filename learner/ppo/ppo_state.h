@@ -16,12 +16,14 @@ struct PpoState : checkpoint::RunCounters {
   std::vector<float> adam_m;      // same length
   std::vector<float> adam_v;      // same length
   std::uint64_t adam_steps = 0;
-  policy::RunningStatistics observation;    // a dimension each number of an observation; enters
-                                            // snapshots from the next version on
-  policy::RunningStatistics reward_return;  // 1 dimension: discounted return, the reward's scale
+  /// One a task, [tasks]: a dimension each number of an observation; enters snapshots from the next
+  /// version on.
+  std::vector<policy::RunningStatistics> observation;
+  /// One a task, [tasks], of 1 dimension: discounted return, the reward's scale.
+  std::vector<policy::RunningStatistics> reward_return;
   /// overlap 1: what version - 1 acted with; batch `version` was played under it.
   std::vector<float> previous_actor;
-  policy::RunningStatistics previous_observation;
+  std::vector<policy::RunningStatistics> previous_observation;  // [tasks]
   bool operator==(const PpoState&) const = default;
 };
 

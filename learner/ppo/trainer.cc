@@ -10,6 +10,7 @@
 #include "common/numbers/all_finite.h"
 #include "common/numbers/random.h"
 #include "common/policy/snapshot.h"
+#include "common/policy/task_of.h"
 #include "learner/algorithm/algorithm.h"
 #include "learner/ppo/initialise.h"
 #include "learner/ppo/learning_reward.h"
@@ -125,14 +126,20 @@ struct Trainer::Impl {
         sum = config.ppo().discount() * sum + reward;
         discounted.push_back(float(sum));
       }
-      Merge(next.reward_return, discounted.data(), discounted.size(), 1, 1);
+      Merge(next.reward_return[policy::TaskOf(config, episode.number)], discounted.data(),
+            discounted.size(), 1, 1);
     }
   }
 
-  [[nodiscard]] double RewardScale(const PpoState& next) const {
-    if (!config.ppo().normalise_reward()) return 1;
-    const double deviation = StandardDeviation(next.reward_return, 0);
-    return std::sqrt(deviation * deviation + 1e-8);
+  /// By what the rewards of each task are divided.
+  [[nodiscard]] std::vector<double> RewardScales(const PpoState& next) const {
+    std::vector<double> scales;
+    for (const policy::RunningStatistics& of_task : next.reward_return) {
+      const double deviation = StandardDeviation(of_task, 0);
+      scales.push_back(config.ppo().normalise_reward() ? std::sqrt(deviation * deviation + 1e-8)
+                                                       : 1);
+    }
+    return scales;
   }
 
   [[nodiscard]] StepSettings Settings() const {
@@ -175,8 +182,8 @@ struct Trainer::Impl {
     }
     const auto observations = std::size_t(policy::ShapeOf(config).observation);
     for (const Episode& episode : batch) {
-      Merge(next.observation, episode.observation.data(), std::size_t(episode.length()),
-            observations, observations);
+      Merge(next.observation[policy::TaskOf(config, episode.number)], episode.observation.data(),
+            std::size_t(episode.length()), observations, observations);
     }
     static_cast<checkpoint::RunCounters&>(next) = algorithm::CountersAfter(state, batch);
   }
@@ -208,6 +215,9 @@ PpoState Trainer::InitialState(const RunConfig& config) {
       InitialParameters(policy::ShapeOf(config), config.policy().initial_log_std(), config.seed());
   state.adam_m.assign(state.parameters.size(), 0.0F);
   state.adam_v.assign(state.parameters.size(), 0.0F);
+  for (auto* statistics : {&state.observation, &state.reward_return, &state.previous_observation}) {
+    statistics->resize(policy::TaskCount(config));
+  }
   return state;
 }
 
@@ -218,15 +228,19 @@ PpoReport Trainer::Update(const std::vector<Episode>& episodes) {
   PpoState next = impl.state;
   impl.MergeRewards(episodes, next);
   PpoReport report;
-  report.reward_scale = impl.RewardScale(next);
+  const std::vector<double> scales = impl.RewardScales(next);
+  report.reward_scale = std::accumulate(scales.begin(), scales.end(), 0.0) / double(scales.size());
   const PolicySnapshot behaviour = impl.Behaviour();
-  const TrainingBatch batch = BuildBatch(
-      {impl.config, episodes, behaviour, impl.state.parameters.data(), float(report.reward_scale)},
-      impl.team);
+  const TrainingBatch batch = BuildBatch({impl.config,
+                                          episodes,
+                                          behaviour,
+                                          impl.state.parameters.data(),
+                                          {scales.begin(), scales.end()}},
+                                         impl.team);
   const StepSettings settings = impl.Settings();
   OptimiserState optimiser{std::move(next.parameters), std::move(next.adam_m),
                            std::move(next.adam_v), next.adam_steps};
-  ReportSums sums(std::size_t(impl.config.policy().heads()), impl.config.ppo().kl_estimate());
+  ReportSums sums(std::size_t(policy::ShapeOf(impl.config).heads), impl.config.ppo().kl_estimate());
   report.epochs = impl.Learn(batch, settings, optimiser, sums);
   if (!numbers::AllFinite(optimiser.parameters))
     throw algorithm::NonFiniteUpdate("a parameter is not finite");
@@ -244,7 +258,7 @@ PpoReport Trainer::Update(const std::vector<Episode>& episodes) {
   report.explained_variance = batch.explained_variance;
   sums.Fill(report);
   FillHeadSpread(impl.config, next.parameters, report);
-  static_cast<algorithm::UpdateReport&>(report) = algorithm::ReportOf(next, episodes);
+  static_cast<algorithm::UpdateReport&>(report) = algorithm::ReportOf(impl.config, next, episodes);
   impl.state = std::move(next);
   return report;
 }

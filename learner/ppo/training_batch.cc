@@ -6,6 +6,7 @@
 #include "common/policy/gaussian.h"
 #include "common/policy/head_schedule.h"
 #include "common/policy/network_input.h"
+#include "common/policy/task_of.h"
 #include "learner/ppo/gae.h"
 #include "learner/ppo/learning_reward.h"
 #include "learner/ppo/mlp.h"
@@ -60,9 +61,8 @@ class Builder {
     std::copy(episode.log_prob.begin(), episode.log_prob.end(),
               batch_.behaviour_log_prob.begin() + first);
     std::copy(episode.head.begin(), episode.head.end(), batch_.head.begin() + first);
-    const std::vector<HeadRun> runs =
-        EpisodeRuns({source_.config, policy::TrainingEpisode(source_.config, episode.number)},
-                    episode.length());
+    const std::vector<HeadRun> runs = EpisodeRuns(
+        policy::HeadSchedule::OfTraining(source_.config, episode.number), episode.length());
     FillAdvantages(episode, input, runs, begin);
     FillProximal(episode, input, runs, begin);
   }
@@ -70,12 +70,15 @@ class Builder {
  private:
   Eigen::MatrixXf Input(const Episode& episode) const {
     Eigen::MatrixXf input(shape_.input(), Eigen::Index(episode.length()) + 1);
-    const auto clip = static_cast<float>(source_.config.policy().observation_clip());
+    const policy::Normaliser normaliser{
+        source_.behaviour.observation_mean.data(), source_.behaviour.observation_inv_std.data(),
+        static_cast<float>(source_.config.policy().observation_clip())};
     for (std::int32_t t = 0; t <= episode.length(); ++t) {
       policy::WriteInput(
-          shape_, episode.observation.data() + std::size_t(t) * std::size_t(shape_.observation),
-          source_.behaviour.observation_mean.data(), source_.behaviour.observation_inv_std.data(),
-          clip, t, source_.config.environment().horizon(), input.col(t).data());
+          shape_, normaliser,
+          episode.observation.data() + std::size_t(t) * std::size_t(shape_.observation),
+          policy::TaskOf(source_.config, episode.number), t, source_.config.environment().horizon(),
+          input.col(t).data());
     }
     return input;
   }
@@ -87,7 +90,8 @@ class Builder {
     const Eigen::MatrixXf& value = critic.Forward(parameters, input, ValueRuns(runs, shape_));
     std::vector<float> values(value.data(), value.data() + episode.length());
     std::vector<float> rewards = LearningReward(episode, source_.config.ppo());
-    for (float& reward : rewards) reward /= source_.reward_scale;
+    const float scale = source_.reward_scale[policy::TaskOf(source_.config, episode.number)];
+    for (float& reward : rewards) reward /= scale;
     const PpoConfig& ppo = source_.config.ppo();
     const float final_value = FinalValue(episode, source_.config, value(0, episode.length()));
     const GaeResult gae =

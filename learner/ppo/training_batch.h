@@ -33,7 +33,7 @@ struct BatchSource {
   const std::vector<Episode>& episodes;  // in number order
   const PolicySnapshot& behaviour;       // its normaliser is the batch's
   const float* parameters;               // at the update's start: actor, then critic
-  float reward_scale;                    // rewards are divided by it
+  std::vector<float> reward_scale;       // [tasks], by which rewards are divided
 };
 
 /// @param team  shares out the episodes; never changes the result.

@@ -12,11 +12,10 @@ namespace metronome::record {
 
 FileRunRecord::FileRunRecord(std::string folder, checkpoint::Checkpoint first,
                              std::vector<algorithm::Metric> algorithm, ProgressPrinter printer)
-    : folder_(std::move(folder)),
-      checkpoint_(std::move(first)),
-      algorithm_(std::move(algorithm)),
-      printer_(std::move(printer)) {
-  if (checkpoint_.logs.progress_bytes > 0) ProgressLog::RequireHeader(ProgressPath(), algorithm_);
+    : folder_(std::move(folder)), checkpoint_(std::move(first)), printer_(std::move(printer)) {
+  blank_.tasks = algorithm::TasksOf(checkpoint_.config);
+  blank_.metrics = std::move(algorithm);
+  if (checkpoint_.logs.progress_bytes > 0) ProgressLog::RequireHeader(ProgressPath(), blank_);
 }
 
 std::string FileRunRecord::ProgressPath() const { return folder_ + "/progress.csv"; }
@@ -25,7 +24,7 @@ void FileRunRecord::Begin() {
   process::WriteFileAtomically(ConfigPathOf(folder_), config::PrintConfig(checkpoint_.config));
   store_.emplace(folder_ + "/checkpoints", checkpoint_.config.runtime().checkpoint_keep(),
                  checkpoint_.config.runtime().milestone_every());
-  progress_.emplace(ProgressPath(), algorithm_, checkpoint_.logs.progress_bytes);
+  progress_.emplace(ProgressPath(), blank_, checkpoint_.logs.progress_bytes);
   events_.emplace(folder_ + "/" + TensorBoardLog::kFileName, checkpoint_.logs.events_bytes);
 }
 

@@ -38,8 +38,8 @@ class FileRunRecord final : public RunRecord {
   [[nodiscard]] std::string ProgressPath() const;
 
   std::string folder_;
-  checkpoint::Checkpoint checkpoint_;         // what Save writes; its state changes
-  std::vector<algorithm::Metric> algorithm_;  // its metrics
+  checkpoint::Checkpoint checkpoint_;  // what Save writes; its state changes
+  algorithm::UpdateReport blank_;      // whose tasks and metrics are the run's
   ProgressPrinter printer_;
   std::optional<checkpoint::CheckpointStore> store_;
   std::optional<ProgressLog> progress_;

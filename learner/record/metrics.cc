@@ -6,7 +6,7 @@ namespace metronome::record {
 namespace {
 
 std::vector<algorithm::Metric> RunMetrics(const algorithm::UpdateReport& report) {
-  return {
+  std::vector<algorithm::Metric> metrics = {
       {"steps", "train/steps", report.steps,
        "environment steps so far; the step of every TensorBoard point"},
       {"update", "train/update", report.version,
@@ -17,6 +17,13 @@ std::vector<algorithm::Metric> RunMetrics(const algorithm::UpdateReport& report)
       {"success", "train/success", report.success, "share of episodes with success at any step"},
       {"success_end", "train/success_end", report.success_end,
        "share of episodes with success at the last step"}};
+  for (const algorithm::TaskReport& task : report.tasks) {
+    metrics.push_back({"return_" + task.name, "return/" + task.name, task.mean_return,
+                       "of several tasks: `return` of each task's episodes"});
+    metrics.push_back({"success_" + task.name, "success/" + task.name, task.success,
+                       "of several tasks: `success` of each task's episodes"});
+  }
+  return metrics;
 }
 
 std::vector<algorithm::Metric> WallMetrics(const algorithm::UpdateReport& report,

@@ -20,11 +20,9 @@ std::string ValueText(const algorithm::Metric& metric) {
   return text::FormatNumber(std::get<double>(metric.value));
 }
 
-std::string HeaderOf(const std::vector<algorithm::Metric>& algorithm) {
-  algorithm::UpdateReport report;
-  report.metrics = algorithm;
+std::string HeaderOf(const algorithm::UpdateReport& blank) {
   std::string header;
-  for (const algorithm::Metric& metric : MetricsOf(report, {})) {
+  for (const algorithm::Metric& metric : MetricsOf(blank, {})) {
     if (!header.empty()) header += ',';
     header += metric.column;
   }
@@ -44,22 +42,21 @@ std::string WithNewNames(std::string header) {
 
 }  // namespace
 
-void ProgressLog::RequireHeader(const std::string& path,
-                                const std::vector<algorithm::Metric>& algorithm) {
+void ProgressLog::RequireHeader(const std::string& path, const algorithm::UpdateReport& blank) {
   if (!std::filesystem::exists(path)) return;
   const std::string content = process::ReadFile(path);
   const std::size_t size = content.find('\n') + 1;
-  if (size == 0 || WithNewNames(content.substr(0, size)) == HeaderOf(algorithm)) return;
+  if (size == 0 || WithNewNames(content.substr(0, size)) == HeaderOf(blank)) return;
   throw std::invalid_argument(
       path +
       " has other columns than this build writes: go on with the build that wrote it, or move the "
       "file away, and a new one begins with the next update");
 }
 
-ProgressLog::ProgressLog(const std::string& path, const std::vector<algorithm::Metric>& algorithm,
+ProgressLog::ProgressLog(const std::string& path, const algorithm::UpdateReport& blank,
                          std::uint64_t keep_bytes)
     : file_(path, keep_bytes, WholeLines) {
-  if (file_.size() == 0) file_.Append(HeaderOf(algorithm));
+  if (file_.size() == 0) file_.Append(HeaderOf(blank));
 }
 
 void ProgressLog::Append(const std::vector<algorithm::Metric>& metrics) {

@@ -16,14 +16,13 @@ class ProgressLog {
  public:
   /// Of a file that is to be gone on with: rows of this build under another header would be taken
   /// for other columns. @throws std::invalid_argument with the remedy.
-  /// @param algorithm  the metrics of the run's algorithm, whatever their values.
-  static void RequireHeader(const std::string& path,
-                            const std::vector<algorithm::Metric>& algorithm);
+  /// @param blank  a report of the run, whatever its values: its tasks and its algorithm's metrics.
+  static void RequireHeader(const std::string& path, const algorithm::UpdateReport& blank);
 
-  /// @param algorithm   as above.
+  /// @param blank       as above.
   /// @param keep_bytes  LogOffsets::progress_bytes of the checkpoint gone on from; 0: a new file.
   /// @throws std::system_error, see RecordFile.
-  ProgressLog(const std::string& path, const std::vector<algorithm::Metric>& algorithm,
+  ProgressLog(const std::string& path, const algorithm::UpdateReport& blank,
               std::uint64_t keep_bytes);
 
   /// Writes a row; it is in the file when this returns, or waits for room (see RecordFile).

@@ -38,6 +38,9 @@ void StatusReport::Updated(const algorithm::UpdateReport& report, const record::
   status_.mean_return = report.mean_return;
   status_.success = report.success;
   status_.success_end = report.success_end;
+  status_.tasks.clear();
+  for (const algorithm::TaskReport& task : report.tasks)
+    status_.tasks.push_back({task.name, task.mean_return, task.success, task.success_end});
   status_.collect_seconds = wall.collect_seconds;
   status_.update_seconds = wall.update_seconds;
   status_.idle_share = wall.idle_share;

@@ -77,6 +77,17 @@ MetricFamily Info(const LearnerStatus& status) {
                         kGauge, 1)});
 }
 
+void AddTasks(const LearnerStatus& status, std::vector<MetricFamily>& families) {
+  VisitTaskNumbers([&](const StatusNumber& number, auto member) {
+    std::vector<ClientMetric> samples;
+    for (const TaskStatus& task : status.tasks) {
+      const Labels labels = {{"run", status.run_name}, {"task", task.name}};
+      samples.push_back(Sample(labels, TypeOf(number), task.*member));
+    }
+    families.push_back(Family(number, std::move(samples)));
+  });
+}
+
 }  // namespace
 
 std::vector<MetricFamily> PrometheusMetrics(const LearnerStatus& status, double made_at) {
@@ -90,6 +101,7 @@ std::vector<MetricFamily> PrometheusMetrics(const LearnerStatus& status, double 
     families.push_back(Family(number, {Sample(run, TypeOf(number), value)}));
     AddOldName(FindOldName(kOldRunNames, number.name), families);
   });
+  if (!status.tasks.empty()) AddTasks(status, families);
   if (status.actors.empty()) return families;
   VisitActorNumbers([&](const StatusNumber& number, auto member) {
     std::vector<ClientMetric> samples;

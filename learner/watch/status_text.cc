@@ -25,6 +25,25 @@ void AddOldNames(const OldName (&names)[N], Json& json) {
   }
 }
 
+Json JsonOf(const TaskStatus& task) {
+  Json json;
+  VisitTaskNumbers(
+      [&](const StatusNumber& number, auto member) { json[number.name] = task.*member; });
+  return json;
+}
+
+std::string TaskTable(const std::vector<TaskStatus>& tasks) {
+  std::size_t width = 4;
+  for (const TaskStatus& task : tasks) width = std::max(width, task.name.size());
+  std::string text =
+      fmt::format("{:<{}}  {:>8}  {:>7}  {:>6}\n", "task", width, "return", "success", "at end");
+  for (const TaskStatus& task : tasks) {
+    text += fmt::format("{:<{}}  {:>8.1f}  {:>7.2f}  {:>6.2f}\n", task.name, width,
+                        task.mean_return, task.success, task.success_end);
+  }
+  return text;
+}
+
 Json JsonOf(const ActorReport& actor) {
   Json json = {{"name", actor.name}};
   VisitActorNumbers(
@@ -60,6 +79,7 @@ std::string StatusTable(const LearnerStatus& status) {
         fmt::format("OLD: the learner has said nothing for {:.0f} s; this is how it stood then\n",
                     status.age_seconds));
   }
+  if (!status.tasks.empty()) text += TaskTable(status.tasks);
   if (status.actors.empty()) return text;
   std::size_t width = 5;
   for (const ActorReport& actor : status.actors) width = std::max(width, actor.name.size());
@@ -85,6 +105,8 @@ std::string StatusJson(const LearnerStatus& status) {
   json["age_seconds"] = status.age_seconds;
   VisitRunNumbers(
       [&](const StatusNumber& number, auto member) { json[number.name] = status.*member; });
+  if (!status.tasks.empty()) json["tasks"] = Json::object();
+  for (const TaskStatus& task : status.tasks) json["tasks"][task.name] = JsonOf(task);
   json["actors"] = Json::array();
   for (const ActorReport& actor : status.actors) json["actors"].push_back(JsonOf(actor));
   AddOldNames(kOldRunNames, json);

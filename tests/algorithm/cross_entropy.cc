@@ -51,7 +51,7 @@ class CrossEntropy final : public algorithm::Algorithm {
       for (std::int32_t i = 0; i < layout_.head_outputs; ++i) Refit(batch, order, head, i);
     }
     counters_ = algorithm::CountersAfter(counters_, batch);
-    algorithm::UpdateReport report = algorithm::ReportOf(counters_, batch);
+    algorithm::UpdateReport report = algorithm::ReportOf(config_, counters_, batch);
     report.metrics = Metrics();
     report.metrics.front().value = returns[order.front()];
     return report;

@@ -63,7 +63,7 @@ Episode SyntheticEpisode(const RunConfig& config, policy::Policy& policy, std::u
   Episode episode;
   episode.number = number;
   const std::int32_t horizon = config.environment().horizon();
-  const policy::HeadSchedule schedule(config, policy::TrainingEpisode(config, number));
+  const auto schedule = policy::HeadSchedule::OfTraining(config, number);
   numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 1, number, 0);
   episode.observation.resize(std::size_t(horizon + 1) * test::kObservationSize);
   for (float& value : episode.observation) value = float(random.Normal());
@@ -148,7 +148,7 @@ void Run(const Options& options) {
   const double gemm = GemmRate(options.threads, options.repeats);
   ppo::WorkerTeam team(options.threads);
   const ppo::TrainingBatch batch =
-      ppo::BuildBatch({config, episodes, snapshot, state.parameters.data(), 1.0F}, team);
+      ppo::BuildBatch({config, episodes, snapshot, state.parameters.data(), {1.0F}}, team);
   std::vector<double> seconds;
   for (int i = 0; i <= options.repeats; ++i) {
     const double passed = Seconds([&] { MakeEpochs(config, batch, state, team); });

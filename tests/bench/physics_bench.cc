@@ -16,6 +16,7 @@
 #include "actor/metaworld/engine/engine.h"
 #include "actor/metaworld/step_result.h"
 #include "actor/metaworld/tasks/environments.h"
+#include "actor/metaworld/tasks/task_table.h"
 #include "actor/play/rollout.h"
 #include "common/config/config.h"
 #include "learner/ppo/trainer.h"
@@ -69,7 +70,8 @@ struct Episodes {
 /// A bare mjData at an episode's start, and the controls of its steps.
 class BareLoop {
  public:
-  explicit BareLoop(const std::string& task) : environment_(MakeEnvironmentOf(task)) {
+  explicit BareLoop(const std::string& task)
+      : environment_(MakeEnvironmentOf(task)), hand_(metaworld::tasks::FindTask(task).hand) {
     const Episodes& played = Episodes::Of(task);
     const environment::MujocoView& scene = *environment_->mujoco();
     std::vector<float> observation(
@@ -91,9 +93,9 @@ class BareLoop {
   /// The controls of one action, then the engine alone.
   void Step(const float* action) {
     for (int i = 0; i < 3; ++i) {
-      data_->mocap_pos[i] += std::clamp(action[i], -1.0F, 1.0F) * 0.01F;
+      const double moved = data_->mocap_pos[i] + std::clamp(action[i], -1.0F, 1.0F) * 0.01F;
+      data_->mocap_pos[i] = std::clamp(moved, hand_.low[i], hand_.high[i]);
     }
-    data_->mocap_pos[2] = std::max(data_->mocap_pos[2], 0.05);
     data_->ctrl[0] = action[3];
     data_->ctrl[1] = -action[3];
     for (int k = 0; k < 5; ++k) mj_step(model_, data_);
@@ -105,6 +107,7 @@ class BareLoop {
 
  private:
   std::unique_ptr<environment::Environment> environment_;
+  const metaworld::HandSettings& hand_;
   std::vector<metaworld::engine::ModelPtr> models_;
   std::vector<metaworld::engine::DataPtr> starts_;
   metaworld::engine::DataPtr saved_;

@@ -52,7 +52,7 @@ EpisodeBank::Decisions EpisodeBank::Decide(std::uint64_t number,
   const Episode& recording = RecordingOf(number);
   const EnvironmentSpec& spec = config_.environment().spec();
   policy::Policy policy(config_, snapshot);
-  const policy::HeadSchedule schedule(config_, policy::TrainingEpisode(config_, number));
+  const auto schedule = policy::HeadSchedule::OfTraining(config_, number);
   policy::ActionNoise noise(config_, number);
   Decisions decisions;
   for (std::int32_t t = 0; t < recording.length(); ++t) {

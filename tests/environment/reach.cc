@@ -80,8 +80,8 @@ class ReachEnvironment final : public environment::Environment {
 
 environment::EnvironmentEntry Reach() {
   environment::EnvironmentEntry entry;
-  entry.spec.set_name("test/reach");
-  entry.spec.set_short_name("reach");
+  entry.spec.set_name("test/point");
+  entry.spec.set_short_name("point");
   entry.spec.set_observation_size(7);
   entry.spec.set_action_size(2);
   for (int i = 0; i < 2; ++i) {
@@ -93,7 +93,7 @@ environment::EnvironmentEntry Reach() {
   entry.spec.set_has_success(true);
   entry.make = [](const EnvironmentConfig& config) {
     if (config.placements() == PLACEMENTS_MT1) {
-      throw std::invalid_argument("test/reach has no mt1 placements");
+      throw std::invalid_argument("test/point has no mt1 placements");
     }
     return std::make_unique<ReachEnvironment>();
   };

@@ -73,6 +73,10 @@ inline LearnerStatus SomeLearnerStatus(std::uint64_t incarnation, std::size_t ac
     number = static_cast<std::remove_reference_t<decltype(number)>>(next++ + (whole ? 0 : 0.5));
   };
   VisitRunNumbers([&](const StatusNumber&, auto member) { give(status.*member); });
+  for (const char* name : {"push", "door-open"}) {
+    status.tasks.push_back({.name = name});
+    VisitTaskNumbers([&](const StatusNumber&, auto member) { give(status.tasks.back().*member); });
+  }
   ActorReport report;
   VisitActorNumbers([&](const StatusNumber&, auto member) { give(report.*member); });
   report.oldest_assignment_seconds = 37.5;

@@ -10,7 +10,7 @@ import pytest
 from harness import ACTOR, BUILD, LEARNER, ROOT
 
 # Solved in a few seconds. The best possible return is 1, whatever the start.
-REACH = ("--task", "reach", "--heads", "3", "--steps", "40000", "--seed", "1", "--set", "policy.hidden=32,32",
+REACH = ("--task", "point", "--heads", "3", "--steps", "40000", "--seed", "1", "--set", "policy.hidden=32,32",
          "--set", "collection.episodes_per_update=64", "--set", "ppo.minibatch=256", "--set", "ppo.learning_rate=2e-3")
 BEST = 1.0
 
@@ -67,7 +67,7 @@ def test_it_is_learnt_to_nine_tenths_of_what_is_possible(one):
     rows = one.rows("one")
     report = one.evaluate(one.stage.latest("one"))
     print(f"return: random policy {float(rows[0]['return']):.3f}, learnt {report['return']:.3f}, best {BEST}")
-    assert report["task"] == "reach"
+    assert report["task"] == "point"
     assert report["return"] >= 0.9 * BEST > 0.9 * float(rows[0]["return"])
     assert report["success"] >= 0.9
     assert 5 <= report["length"] < 20
@@ -113,9 +113,9 @@ def test_a_killed_learner_goes_on_to_the_same_bits(stage, programs, one):
 
 
 def test_an_unknown_name_is_answered_by_the_actor_program(stage, programs):
-    learner = stage.start(programs / "metronome-learner", "config", "--task", "reech")
+    learner = stage.start(programs / "metronome-learner", "config", "--task", "poin")
     assert learner.wait() == 2
-    learner.expect_text('--task: environment.task is an unknown environment "reech"; did you mean "reach"?')
+    learner.expect_text('--task: environment.task is an unknown environment "poin"; did you mean "point"?')
 
 
 def test_an_actor_without_the_environment_says_so(stage, programs):
@@ -123,7 +123,7 @@ def test_an_actor_without_the_environment_says_so(stage, programs):
     learner = play.learner("run")
     actor = stage.actor("run")
     assert actor.wait() == 2, actor
-    actor.expect_text('unknown environment "reach"')
+    actor.expect_text('unknown environment "point"')
     learner.kill()
 
 
@@ -132,7 +132,7 @@ def test_what_is_not_in_mujoco_cannot_be_drawn(one):
     render = one.stage.start(one.programs / "metronome-actor", "render", "--checkpoint", one.stage.latest("one"),
                              "--csv", one.stage.runs / "path.csv")
     assert render.wait() == 2
-    render.expect_text("environment reach cannot be drawn: it is not in MuJoCo")
+    render.expect_text("environment point cannot be drawn: it is not in MuJoCo")
 
 
 def test_every_name_that_is_listed_is_described(stage):
@@ -148,4 +148,4 @@ def test_every_name_that_is_listed_is_described(stage):
 def test_neither_learner_nor_common_knows_it():
     for folder in ("learner", "common", "idl"):
         for path in (ROOT / folder).rglob("*"):
-            assert not path.is_file() or "reach\"" not in path.read_text().lower(), path
+            assert not path.is_file() or "\"point\"" not in path.read_text().lower(), path

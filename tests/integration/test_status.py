@@ -70,8 +70,8 @@ def test_status_takes_the_name_as_an_option_too(stage):
     learner = stage.learner("named", small=ENDLESS)
     said = learner.expect_text("watch it with: metronome-learner status")
     words = said.partition("watch it with: ")[2].split()[1:]
-    assert words == ["status", "--run", "named", "--domain", str(stage.domain)]
-    shown = stage.start(LEARNER, *words)
+    assert words == ["status", "named", "--domain", str(stage.domain)]
+    shown = stage.start(LEARNER, "status", "--run", *words[1:])
     assert shown.wait() == 0 and "run named " in shown.text, shown
 
 

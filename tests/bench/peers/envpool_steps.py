@@ -19,7 +19,7 @@ import envpool_tasks
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--task", required=True, choices=envpool_tasks.TASK_IDS)
+    parser.add_argument("--task", required=True)
     parser.add_argument("--mode", choices=["sync", "async"], default="sync")
     parser.add_argument("--envs", type=int, default=16)
     parser.add_argument("--batch", type=int, help="of a call, async only (default: half of --envs)")

@@ -2,16 +2,11 @@
 
 import envpool
 
-TASK_IDS = {
-    "assembly": "MetaWorld/Assembly-v3",
-    "bin-picking": "MetaWorld/BinPicking-v3",
-    "box-close": "MetaWorld/BoxClose-v3",
-    "push": "MetaWorld/Push-v3",
-}
 HORIZON = 500
 
 
 def make(task, **options):
     """Goal visible, episodes of 500 steps, a new random placement at every reset."""
+    name = "".join(word.capitalize() for word in task.split("-"))
     return envpool.make_gymnasium(
-        TASK_IDS[task], max_episode_steps=HORIZON, partially_observable=False, **options)
+        f"MetaWorld/{name}-v3", max_episode_steps=HORIZON, partially_observable=False, **options)

@@ -2,8 +2,6 @@
 
 import metaworld
 
-TASKS = ("assembly", "bin-picking", "box-close", "push")
-
 
 def makers(task, seeds):
     """Functions that each make one of MT1's environments, to be called in any process: goal visible,

@@ -22,7 +22,7 @@ DISCOUNT, GAE_LAMBDA = 0.99, 0.95
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--task", required=True, choices=envpool_tasks.TASK_IDS)
+    parser.add_argument("--task", required=True)
     parser.add_argument("--updates", type=int, default=12, help="timed, after one of warm-up (default 12)")
     parser.add_argument("--threads", type=int, default=2, help="of PyTorch while it learns (default 2)")
     parser.add_argument("--acting-threads", type=int, default=1, help="of PyTorch while it acts (default 1)")

@@ -109,5 +109,32 @@ TEST_F(ActorOptionsTest, AFractionIsAFiniteNumberInItsRange) {
   EXPECT_EQ(Take<JoinOptions>({"run", "--run", "demo", "--wait", "3"}).learner_timeout, 3.0);
 }
 
+TEST_F(ActorOptionsTest, ABenchmarkStandsForTaskModeAndCount) {
+  const auto options =
+      Take<replay::PlacementsOptions>({"placements", "--benchmark", "ml10", "--seed", "4"});
+  EXPECT_EQ(options.benchmark, "ml10");
+  EXPECT_EQ(options.seed, 4U);
+  const std::vector<std::string> more[] = {{"--task", "push"}, {"--mode", "mt1"}, {"--count", "3"}};
+  for (const auto& words : more) {
+    std::vector<std::string> command = {"placements", "--benchmark", "ml10", "--seed", "4"};
+    command.insert(command.end(), words.begin(), words.end());
+    EXPECT_EQ(std::get<int>(Parse(command)), 2) << words.front();
+    EXPECT_NE(err_.find(words.front() + " excludes --benchmark"), std::string::npos) << err_;
+  }
+}
+
+TEST_F(ActorOptionsTest, PlacementsOfATaskNeedItsModeToo) {
+  EXPECT_EQ(std::get<int>(Parse({"placements", "--seed", "4"})), 2);
+  EXPECT_NE(err_.find("--task (or --benchmark) is required"), std::string::npos) << err_;
+  EXPECT_EQ(std::get<int>(Parse({"placements", "--seed", "4", "--task", "push"})), 2);
+  EXPECT_NE(err_.find("--mode is required"), std::string::npos) << err_;
+}
+
+TEST_F(ActorOptionsTest, TasksTakesNothing) {
+  Take<TasksOptions>({"tasks"});
+  EXPECT_EQ(std::get<int>(Parse({"tasks", "push"})), 2);
+  EXPECT_NE(err_.find("unexpected argument \"push\""), std::string::npos) << err_;
+}
+
 }  // namespace
 }  // namespace metronome::actor

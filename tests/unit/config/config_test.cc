@@ -98,7 +98,10 @@ TEST(CompleteSpecTest, WhatIsDescribedIsTheHorizonsDefaultAndBound) {
 
 TEST(ResolveTest, FillsEveryField) {
   const RunConfig config = Resolve(Push());
-  VisitFields(config, [](const std::string& path, const auto& owner, const auto& field) {
+  const std::set<std::string> of_several = {"environment.spec.tasks",
+                                            "environment.spec.has_benchmark"};
+  VisitFields(config, [&](const std::string& path, const auto& owner, const auto& field) {
+    if (of_several.contains(path)) return;
     if (field.is_repeated())
       EXPECT_GT(owner.GetReflection()->FieldSize(owner, &field), 0) << path;
     else
@@ -493,7 +496,52 @@ TEST(ValidateTest, TheOfficialBenchmarksSeedHas32Bits) {
   EXPECT_NO_THROW(Validate(Resolve(config)));
   SetField(config, "environment.placements", "mt1");
   EXPECT_EQ(ErrorOf([&] { Validate(Resolve(config)); }),
-            "seed is 4294967296: with mt1 placements it must be from 0 to 4294967295");
+            "seed is 4294967296: with official placements it must be from 0 to 4294967295");
+}
+
+RunConfig OfTasks(int tasks) {
+  RunConfig config = Push();
+  for (int i = 0; i < tasks; ++i)
+    config.mutable_environment()->mutable_spec()->add_tasks("task" + std::to_string(i));
+  return config;
+}
+
+TEST(ResolveTest, ABatchOfSeveralTasksHasEquallyManyEpisodesOfEach) {
+  for (const auto& [tasks, episodes] : {std::pair(3, 18), {10, 20}, {16, 16}, {50, 50}}) {
+    const RunConfig config = Resolve(OfTasks(tasks));
+    EXPECT_EQ(config.collection().episodes_per_update(), episodes) << tasks;
+    EXPECT_NO_THROW(Validate(config));
+  }
+  EXPECT_EQ(Resolve(Push()).collection().episodes_per_update(), 16);
+}
+
+TEST(ResolveTest, HeadsByTaskAreOneEachUnlessByTimeToo) {
+  RunConfig config = OfTasks(3);
+  SetField(config, "policy.heads_by", "task");
+  EXPECT_EQ(Resolve(config).policy().heads(), 1);
+  SetField(config, "policy.heads_by", "task-time");
+  EXPECT_EQ(Resolve(config).policy().heads(), 10);
+}
+
+TEST(ValidateTest, WhatSeveralTasksCannotHaveIsNamedWithTheRemedy) {
+  const auto complaint = [](int tasks, const std::string& field, const std::string& value) {
+    RunConfig config = OfTasks(tasks);
+    SetField(config, field, value);
+    return ErrorOf([&] { Validate(Resolve(config)); });
+  };
+  EXPECT_EQ(
+      complaint(3, "collection.episodes_per_update", "16"),
+      "collection.episodes_per_update is 16, for push, 3 tasks: must be a multiple, as 18, so "
+      "that each has equally many");
+  EXPECT_EQ(complaint(3, "environment.placements", "fixed"),
+            "environment.placements is fixed, for push, 3 tasks: must be random, mt1");
+  EXPECT_EQ(complaint(3, "environment.placements", "benchmark"),
+            "environment.placements is benchmark, and push is none: must be random, mt1");
+  EXPECT_EQ(complaint(0, "environment.placements", "benchmark"),
+            "environment.placements is benchmark, and push is none: must be random, mt1 or fixed");
+  EXPECT_EQ(complaint(0, "policy.heads_by", "task"),
+            "policy.heads_by is not time: that takes several tasks");
+  EXPECT_EQ(complaint(65, "seed", "1"), "environment.task names 65 tasks: must be at most 64");
 }
 
 TEST(ValidateTest, PeersAreTakenAndMalformedListsRefused) {
@@ -570,7 +618,9 @@ TEST(CompareForResumeTest, EverythingOutsideRuntimeForbids) {
     std::string value = "77";
     if (type == Field::CPPTYPE_ENUM) value = EnumWords(*field.enum_type()).back();
     if (type == Field::CPPTYPE_BOOL) {
-      value = path == "environment.spec.may_end_early" ? "true" : "false";
+      const bool is_false =
+          path == "environment.spec.may_end_early" || path == "environment.spec.has_benchmark";
+      value = is_false ? "true" : "false";
     }
     SetField(changed, path, value);
     const auto differences = CompareForResume(old_config, changed, false);

@@ -254,7 +254,7 @@ EvaluatedEpisode PlayWithSuccessesAt(std::set<int> steps, int length = 1000) {
   snapshot.observation_mean.resize(test::kObservationSize);
   snapshot.observation_inv_std.resize(test::kObservationSize);
   ScriptedEnvironment environment(std::move(steps), length);
-  return PlayDeterministic(config, snapshot, EvaluationSchedule({}, config, 0), kStart,
+  return PlayDeterministic(config, snapshot, EvaluationSchedule({}, config, 0, 0), kStart,
                            environment);
 }
 
@@ -335,8 +335,8 @@ TEST(PlayDeterministicTest, HeadsFollowTheScheduleAndTheEvaluationsOwnPermutatio
     const HeadsAsActions policy(schedule);
     EvaluateOptions options;
     options.seed = 9;
-    PlayDeterministic(policy.config, policy.snapshot, EvaluationSchedule(options, policy.config, 2),
-                      kStart, environment);
+    PlayDeterministic(policy.config, policy.snapshot,
+                      EvaluationSchedule(options, policy.config, 2, 0), kStart, environment);
     const auto permutation = numbers::Permutation(
         5, {numbers::RandomPurpose::kHeadPermutation, 9, 2, 2 /* kEvaluate */});
     const std::vector<std::int32_t> heads = HeadsOf(environment);
@@ -358,8 +358,8 @@ TEST(PlayDeterministicTest, HeadsFollowTheOrderThatIsAskedFor) {
   options.head_order = {4, 1, 1, 3, 0};
   for (const Schedule schedule : {SCHEDULE_BLOCKS, SCHEDULE_SHUFFLED}) {
     const HeadsAsActions policy(schedule);
-    PlayDeterministic(policy.config, policy.snapshot, EvaluationSchedule(options, policy.config, 2),
-                      kStart, environment);
+    PlayDeterministic(policy.config, policy.snapshot,
+                      EvaluationSchedule(options, policy.config, 2, 0), kStart, environment);
     const std::vector<std::int32_t> heads = HeadsOf(environment);
     ASSERT_EQ(heads.size(), 40U);
     for (std::size_t t = 0; t < 40; ++t) {
@@ -375,7 +375,7 @@ TEST(PlayEpisodeTest, TagsAndActionsAreThoseOfTheSchedulesHeads) {
     const HeadsAsActions policy(schedule);
     const auto episode = PlayEpisode(policy.config, policy.snapshot, 17, environment, cancel);
     ASSERT_TRUE(episode);
-    const policy::HeadSchedule heads(policy.config, {numbers::RandomPurpose::kTrain, 3, 17});
+    const policy::HeadSchedule heads(policy.config, {numbers::RandomPurpose::kTrain, 3, 17}, 0);
     for (std::int32_t t = 0; t < 40; ++t) {
       EXPECT_EQ(episode->head[t], heads.HeadAt(t));
       EXPECT_EQ(HeadsOf(environment)[t], heads.HeadAt(t));

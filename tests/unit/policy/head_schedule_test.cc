@@ -28,7 +28,7 @@ RunConfig Config(Schedule schedule, int heads, int horizon, std::uint64_t seed =
 
 HeadSchedule Of(Schedule schedule, int heads, int horizon, std::uint64_t number = 0) {
   const RunConfig config = Config(schedule, heads, horizon);
-  return {config, TrainingEpisode(config, number)};
+  return HeadSchedule::OfTraining(config, number);
 }
 
 Heads AllOf(const HeadSchedule& schedule) {
@@ -46,7 +46,7 @@ Heads OrderOf(const HeadSchedule& schedule) {
 
 Heads Shuffled(std::uint64_t seed, std::uint64_t number,
                numbers::RandomPurpose purpose = numbers::RandomPurpose::kTrain, int heads = 10) {
-  return OrderOf({Config(SCHEDULE_SHUFFLED, heads, 500, seed), {purpose, seed, number}});
+  return OrderOf({Config(SCHEDULE_SHUFFLED, heads, 500, seed), {purpose, seed, number}, 0});
 }
 
 const std::vector<std::pair<int, int>> kShapes = {{1, 500},  {2, 500},  {3, 500},  {5, 500},
@@ -174,7 +174,7 @@ TEST(ShuffledTest, NumberSeedAndPurposeOfTheEpisodeChangeThePermutationAndNothin
   config.mutable_ppo()->set_learning_rate(1);
   config.mutable_runtime()->set_domain(7);
   config.set_total_steps(1);
-  EXPECT_EQ(OrderOf({config, TrainingEpisode(config, 1)}), Shuffled(1, 1));
+  EXPECT_EQ(OrderOf(HeadSchedule::OfTraining(config, 1)), Shuffled(1, 1));
   // Another horizon: other blocks, the same order.
   EXPECT_EQ(OrderOf(Of(SCHEDULE_SHUFFLED, 10, 100, 1)), Shuffled(1, 1));
 }
@@ -194,14 +194,14 @@ TEST(ShuffledTest, EveryHeadIsAsLikelyInEveryBlock) {
 
 TEST(GivenOrderTest, GivesEachBlockItsHead) {
   const RunConfig config = Config(SCHEDULE_BLOCKS, 3, 7);  // blocks of 3, 2 and 2 steps
-  EXPECT_EQ(AllOf({config, {2, 0, 2}}), (Heads{2, 2, 2, 0, 0, 2, 2}));
-  EXPECT_EQ(AllOf({config, {0, 1, 2}}), AllOf(Of(SCHEDULE_BLOCKS, 3, 7)));
+  EXPECT_EQ(AllOf({config, {2, 0, 2}, 0}), (Heads{2, 2, 2, 0, 0, 2, 2}));
+  EXPECT_EQ(AllOf({config, {0, 1, 2}, 0}), AllOf(Of(SCHEDULE_BLOCKS, 3, 7)));
 }
 
 TEST(GivenOrderTest, IsRefusedWhereItDoesNotFit) {
   const auto refusal = [](Schedule schedule, std::vector<std::uint32_t> order) -> std::string {
     try {
-      const HeadSchedule made(Config(schedule, 3, 7), std::move(order));
+      const HeadSchedule made(Config(schedule, 3, 7), std::move(order), 0);
     } catch (const std::invalid_argument& error) {
       return error.what();
     }

@@ -57,7 +57,7 @@ int HeadByDefinition(const RunConfig& config, int t) {
                                                          5, 6, 1 /* kTrain */})[block]);
 }
 
-HeadSchedule ScheduleOfSix(const RunConfig& config) { return {config, TrainingEpisode(config, 6)}; }
+HeadSchedule ScheduleOfSix(const RunConfig& config) { return HeadSchedule::OfTraining(config, 6); }
 
 class PolicyTest : public ::testing::TestWithParam<std::pair<Method, Schedule>> {
  protected:
@@ -153,7 +153,7 @@ TEST(PolicyTest, RefusesASnapshotOfAnotherShape) {
 /// The decision of step 0 on observations of `observed` each.
 Policy::Decision DecideOn(const RunConfig& config, const PolicySnapshot& snapshot, float observed) {
   Policy policy(config, snapshot);
-  const HeadSchedule schedule(config, TrainingEpisode(config, 0));
+  const auto schedule = HeadSchedule::OfTraining(config, 0);
   const std::vector<float> observation(test::kObservationSize, observed);
   return policy.Act(schedule, observation.data(), 0, {8.5F, -8.5F, 0.5F, 0.0F});
 }
@@ -220,8 +220,8 @@ TEST(PolicyTest, RefusesAScheduleOfAnotherNumberOfHeads) {
 TEST(SnapshotTest, AddsTheConfiguredEpsilonToTheVariance) {
   RunConfig config = SmallConfig();
   ppo::PpoState state = ppo::Trainer::InitialState(config);
-  state.observation = {std::vector<double>(39, 0), std::vector<double>(39, 0), 100};
-  state.observation.m2[1] = 300;
+  state.observation = {{std::vector<double>(39, 0), std::vector<double>(39, 0), 100}};
+  state.observation[0].m2[1] = 300;
   EXPECT_EQ(ppo::SnapshotOf(state, config).observation_inv_std[0], 1e4F) << "as ever, by default";
   config.mutable_policy()->set_observation_epsilon(1e-4);
   const PolicySnapshot snapshot = ppo::SnapshotOf(state, config);

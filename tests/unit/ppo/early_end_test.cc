@@ -129,7 +129,7 @@ class HandMadeBatchTest : public ::testing::Test {
 
   TrainingBatch Build() {
     WorkerTeam team(2);
-    return BuildBatch({config_, episodes_, behaviour_, parameters_.data(), 1}, team);
+    return BuildBatch({config_, episodes_, behaviour_, parameters_.data(), {1}}, team);
   }
 
   RunConfig config_ = EarlyConfig();
@@ -183,7 +183,7 @@ TEST(EarlyEndTrainerTest, CountsTheStepsThatWereTakenAndTheRateFollowsThem) {
   config.set_total_steps(110);
   Trainer trainer(config, Trainer::InitialState(config), 2);
   EXPECT_EQ(trainer.Update(ShortBatch(config, trainer.state())).steps, 55U);
-  EXPECT_EQ(trainer.state().observation.count, 55);
+  EXPECT_EQ(trainer.state().observation[0].count, 55);
   const PpoReport second = trainer.Update(ShortBatch(config, trainer.state()));
   EXPECT_EQ(second.steps, 110U);
   EXPECT_EQ(second.episodes_used, 20U);

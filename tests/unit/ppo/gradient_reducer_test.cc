@@ -62,8 +62,11 @@ class GroupedMinibatchTest : public ::testing::TestWithParam<std::size_t> {
     initial_ = Trainer::InitialState(config_);
     const PolicySnapshot snapshot = SnapshotOf(initial_, config_);
     WorkerTeam team(1);
-    batch_ = BuildBatch({config_, testing::SyntheticBatch(config_, snapshot, 0), snapshot,
-                         initial_.parameters.data(), 0.7F},
+    batch_ = BuildBatch({config_,
+                         testing::SyntheticBatch(config_, snapshot, 0),
+                         snapshot,
+                         initial_.parameters.data(),
+                         {0.7F}},
                         team);
     for (std::size_t i = 0; i < GetParam(); ++i) {
       samples_.push_back(std::uint32_t(i * 7 % batch_.size()));

@@ -72,9 +72,10 @@ Prepared Prepare(const RunConfig& config, WorkerTeam& team) {
   PpoState initial = Trainer::InitialState(config);
   const PolicySnapshot snapshot = SnapshotOf(initial, config);
   const auto episodes = SyntheticBatch(config, snapshot, 0);
-  Prepared prepared{BuildBatch({config, episodes, snapshot, initial.parameters.data(), 0.7F}, team),
-                    {initial.parameters, initial.adam_m, initial.adam_v, 0},
-                    std::vector<std::uint32_t>(150)};
+  Prepared prepared{
+      BuildBatch({config, episodes, snapshot, initial.parameters.data(), {0.7F}}, team),
+      {initial.parameters, initial.adam_m, initial.adam_v, 0},
+      std::vector<std::uint32_t>(150)};
   numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 8, 8, 8);
   for (float& parameter : prepared.state.parameters) parameter += 0.02F * float(random.Normal());
   for (float& value : prepared.batch.behaviour_log_prob) value += 0.1F * float(random.Normal());

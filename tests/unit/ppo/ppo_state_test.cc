@@ -29,11 +29,11 @@ PpoState SomeState(const RunConfig& config) {
   state.adam_m.assign(state.parameters.size(), 1.0F / 3);
   state.adam_v.assign(state.parameters.size(), 1.0e-30F);
   state.adam_steps = 560;
-  state.observation = {std::vector<double>(39, 1.0 / 3), std::vector<double>(39, 1e300), 56000};
-  state.reward_return = {{-0.1}, {std::numeric_limits<double>::denorm_min()}, 3};
+  state.observation = {{std::vector<double>(39, 1.0 / 3), std::vector<double>(39, 1e300), 56000}};
+  state.reward_return = {{{-0.1}, {std::numeric_limits<double>::denorm_min()}, 3}};
   state.previous_actor.assign(policy::ActorLayout(policy::ShapeOf(config)).size, 0.7F);
-  state.previous_observation = {std::vector<double>(39, 2.0 / 3), std::vector<double>(39, 1),
-                                48000};
+  state.previous_observation = {
+      {std::vector<double>(39, 2.0 / 3), std::vector<double>(39, 1), 48000}};
   return state;
 }
 
@@ -66,7 +66,7 @@ TEST(PpoStateTest, WhatDoesNotFitTheConfigurationIsRefusedByName) {
   EXPECT_NE(Refusal(EncodePpoState(state, config), config).find("Adam's second moment has"),
             std::string::npos);
   state = SomeState(config);
-  state.reward_return.m2.clear();
+  state.reward_return[0].m2.clear();
   EXPECT_NE(Refusal(EncodePpoState(state, config), config).find("the return statistics has 0"),
             std::string::npos);
   EXPECT_NE(Refusal(EncodePpoState(SomeState(config), config), SmallConfig(MULTIHEAD, 4))

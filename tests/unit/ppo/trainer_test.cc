@@ -14,6 +14,7 @@
 
 #include "learner/algorithm/algorithm.h"
 #include "learner/algorithm/episode_check.h"
+#include "learner/ppo/running_statistics.h"
 #include "tests/unit/support/synthetic_run.h"
 
 namespace metronome::ppo {
@@ -118,7 +119,36 @@ TEST(TrainerTest, CountsVersionsStepsAndEpisodes) {
   EXPECT_DOUBLE_EQ(report.learning_rate, 5e-4);
   EXPECT_EQ(report.epochs, 3);
   EXPECT_EQ(report.head_kl.size(), 3U);
-  EXPECT_EQ(trainer.state().observation.count, 400);
+  EXPECT_EQ(trainer.state().observation[0].count, 400);
+}
+
+TEST(TrainerTest, EachOfSeveralTasksHasStatisticsAndFiguresOfItsOwn) {
+  RunConfig config = SmallConfig();
+  for (const char* task : {"one", "two"})
+    config.mutable_environment()->mutable_spec()->add_tasks(task);
+  Trainer trainer(config, Trainer::InitialState(config), 1);
+  std::vector<Episode> batch = SyntheticBatch(config, SnapshotOf(trainer.state(), config), 0);
+  for (std::size_t i = 1; i < batch.size(); i += 2) {  // of the second
+    for (float& reward : batch[i].reward) reward *= 100;
+    for (std::size_t t = 0; t <= 40; ++t) batch[i].observation[t * 39] += 7;
+  }
+  const PpoReport report = trainer.Update(batch);
+  ASSERT_EQ(report.tasks.size(), 2U);
+  EXPECT_EQ(report.tasks[1].name, "two");
+  EXPECT_GT(report.tasks[1].mean_return, 50 * report.tasks[0].mean_return);
+  EXPECT_NEAR(report.mean_return, (report.tasks[0].mean_return + report.tasks[1].mean_return) / 2,
+              1e-9);
+  EXPECT_DOUBLE_EQ(report.tasks[0].success, 0.4);  // episodes 0 and 6 of 0, 2, 4, 6, 8
+  const PpoState& state = trainer.state();
+  ASSERT_EQ(state.observation.size(), 2U);
+  EXPECT_EQ(state.observation[0].count, 200);
+  EXPECT_NEAR(state.observation[1].mean[0] - state.observation[0].mean[0], 7, 0.5);
+  const auto scale = [&state](std::size_t task) {
+    return StandardDeviation(state.reward_return[task], 0);
+  };
+  EXPECT_GT(scale(1), 50 * scale(0));
+  EXPECT_NEAR(report.reward_scale, (scale(0) + scale(1)) / 2, 1e-3);
+  EXPECT_EQ(DecodePpoState(EncodePpoState(state, config), config), state);
 }
 
 TEST(TrainerTest, TheLearningRateFallsLinearlyToItsFloor) {
@@ -332,7 +362,7 @@ TEST(EpisodeCheckTest, RefusesTheHeadsOfAnotherSchedule) {
         continue;
       }
       EXPECT_NE(reason.find("the schedule gives"), std::string::npos) << reason;
-      const policy::HeadSchedule schedule(config, policy::TrainingEpisode(config, 6));
+      const auto schedule = policy::HeadSchedule::OfTraining(config, 6);
       for (int t = 0; t < 40; ++t) episode.head[t] = std::uint16_t(schedule.HeadAt(t));
       const auto disguised =
           algorithm::CheckEpisode(episode, policy, config, kCheckKey).value_or("accepted");

@@ -34,7 +34,7 @@ class TrainingBatchTest : public ::testing::TestWithParam<std::tuple<Schedule, C
     numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 8, 8, 8);
     for (float& parameter : state_.parameters) parameter += 0.1F * float(random.Normal());
     WorkerTeam team(1);
-    batch_ = BuildBatch({config_, episodes_, behaviour_, state_.parameters.data(), kScale}, team);
+    batch_ = BuildBatch({config_, episodes_, behaviour_, state_.parameters.data(), {kScale}}, team);
   }
 
   /// By definition: blocks, turns, or blocks by the permutation of the episode's number.

@@ -37,6 +37,13 @@ algorithm::UpdateReport Report(std::uint64_t version) {
   return report;
 }
 
+/// Without values.
+algorithm::UpdateReport Blank(std::size_t heads = 2) {
+  algorithm::UpdateReport report;
+  report.metrics = AlgorithmMetrics(heads);
+  return report;
+}
+
 std::vector<std::string> Cells(const std::string& line) {
   std::vector<std::string> cells;
   std::istringstream in(line);
@@ -68,7 +75,7 @@ class ProgressLogTest : public ::testing::Test {
 };
 
 TEST_F(ProgressLogTest, HasOneHeaderAndTheColumnsThatOthersReadByName) {
-  ProgressLog(path_, AlgorithmMetrics(), 0);
+  ProgressLog(path_, Blank(), 0);
   const auto table = ReadTable(path_);
   ASSERT_EQ(table.size(), 1u);
   const std::vector<std::string> expected = {"steps",
@@ -95,7 +102,7 @@ TEST_F(ProgressLogTest, HasOneHeaderAndTheColumnsThatOthersReadByName) {
 }
 
 TEST_F(ProgressLogTest, RowsReadBackBitForBitAsSoonAsTheyAreAppended) {
-  ProgressLog log(path_, AlgorithmMetrics(), 0);
+  ProgressLog log(path_, Blank(), 0);
   WallReport wall;
   wall.seconds = 4;
   algorithm::UpdateReport report = Report(125);  // 1000000 steps: written out, not 1e+06
@@ -118,7 +125,7 @@ TEST_F(ProgressLogTest, TwoRunsDifferInWallClockColumnsOnly) {
     WallReport wall;
     wall.seconds = seconds;
     wall.bytes_sent = static_cast<std::uint64_t>(seconds);
-    ProgressLog log(path_, AlgorithmMetrics(), 0);
+    ProgressLog log(path_, Blank(), 0);
     log.Append(MetricsOf(Report(1), wall));
     return ReadTable(path_);
   };
@@ -137,14 +144,14 @@ TEST_F(ProgressLogTest, ResumingCutsBackToTheCheckpointAndGoesOnAsIfUninterrupte
   std::string uninterrupted;
   std::uint64_t at_two = 0;
   {
-    ProgressLog log(path_, AlgorithmMetrics(), 0);
+    ProgressLog log(path_, Blank(), 0);
     for (std::uint64_t version = 1; version <= 4; ++version) {
       log.Append(MetricsOf(Report(version), {}));
       if (version == 2) at_two = log.bytes();
     }
     uninterrupted = process::ReadFile(path_);
   }
-  ProgressLog log(path_, AlgorithmMetrics(), at_two);
+  ProgressLog log(path_, Blank(), at_two);
   EXPECT_EQ(log.bytes(), at_two);
   EXPECT_EQ(ReadTable(path_).size(), 3u);
   log.Append(MetricsOf(Report(3), {}));
@@ -153,17 +160,17 @@ TEST_F(ProgressLogTest, ResumingCutsBackToTheCheckpointAndGoesOnAsIfUninterrupte
 }
 
 TEST_F(ProgressLogTest, AShorterFileIsKeptUpToItsLastWholeRow) {
-  { ProgressLog(path_, AlgorithmMetrics(), 0).Append(MetricsOf(Report(1), {})); }
+  { ProgressLog(path_, Blank(), 0).Append(MetricsOf(Report(1), {})); }
   const std::string whole = process::ReadFile(path_);
   std::ofstream(path_, std::ios::app) << "16000,2,32";  // cut off amid a row
-  ProgressLog log(path_, AlgorithmMetrics(), whole.size() + 1000);
+  ProgressLog log(path_, Blank(), whole.size() + 1000);
   EXPECT_EQ(process::ReadFile(path_), whole);
   log.Append(MetricsOf(Report(2), {}));
   EXPECT_EQ(Cell(2, "steps"), "16000");
 }
 
 TEST_F(ProgressLogTest, AMissingFileStartsAnew) {
-  ProgressLog log(path_, AlgorithmMetrics(), 5000);
+  ProgressLog log(path_, Blank(), 5000);
   log.Append(MetricsOf(Report(9), {}));
   EXPECT_EQ(Cell(1, "update"), "9");
 }
@@ -173,7 +180,7 @@ TEST_F(ProgressLogTest, RowsWaitWhileTheDiskIsFullAndAreInTheFileOnceThereIsRoom
   ASSERT_GE(child, 0);
   if (child == 0) {  // under a limit of its own: room for the header and half a row
     signal(SIGXFSZ, SIG_IGN);
-    ProgressLog log(path_, AlgorithmMetrics(), 0);
+    ProgressLog log(path_, Blank(), 0);
     const auto header = log.bytes();
     const rlimit limit{header + 20, RLIM_INFINITY};
     setrlimit(RLIMIT_FSIZE, &limit);
@@ -209,17 +216,17 @@ TEST(FormatNumberTest, IsTheShortestTextThatReadsBack) {
 TEST_F(ProgressLogTest, AFileWithOtherColumnsIsNotGoneOnWith) {
   const std::string other = "steps,update,of_another_build\n8000,1,5\n";
   std::ofstream(path_) << other;
-  EXPECT_THROW(ProgressLog::RequireHeader(path_, AlgorithmMetrics()), std::invalid_argument);
+  EXPECT_THROW(ProgressLog::RequireHeader(path_, Blank()), std::invalid_argument);
   std::filesystem::remove(path_);
-  ProgressLog::RequireHeader(path_, AlgorithmMetrics());
-  ProgressLog(path_, AlgorithmMetrics(), 0).Append(MetricsOf(Report(1), {}));
-  ProgressLog::RequireHeader(path_, AlgorithmMetrics());
-  EXPECT_THROW(ProgressLog::RequireHeader(path_, AlgorithmMetrics(3)), std::invalid_argument)
+  ProgressLog::RequireHeader(path_, Blank());
+  ProgressLog(path_, Blank(), 0).Append(MetricsOf(Report(1), {}));
+  ProgressLog::RequireHeader(path_, Blank());
+  EXPECT_THROW(ProgressLog::RequireHeader(path_, Blank(3)), std::invalid_argument)
       << "columns per head";
 }
 
 TEST_F(ProgressLogTest, AFileWithTheColumnNamesOfVersion01IsGoneOnWith) {
-  ProgressLog(path_, AlgorithmMetrics(), 0).Append(MetricsOf(Report(1), {}));
+  ProgressLog(path_, Blank(), 0).Append(MetricsOf(Report(1), {}));
   std::string content = process::ReadFile(path_);
   for (const auto& [now, before] : {std::pair<std::string, std::string>{"wall_envs", "wall_slots"},
                                     {"wall_episodes_reassigned", "wall_orders_repeated"}}) {
@@ -227,8 +234,8 @@ TEST_F(ProgressLogTest, AFileWithTheColumnNamesOfVersion01IsGoneOnWith) {
     content.replace(content.find(now), now.size(), before);
   }
   std::ofstream(path_) << content;
-  ProgressLog::RequireHeader(path_, AlgorithmMetrics());
-  ProgressLog(path_, AlgorithmMetrics(), content.size()).Append(MetricsOf(Report(2), {}));
+  ProgressLog::RequireHeader(path_, Blank());
+  ProgressLog(path_, Blank(), content.size()).Append(MetricsOf(Report(2), {}));
   EXPECT_TRUE(process::ReadFile(path_).starts_with(content));
 }
 

@@ -44,8 +44,8 @@ class RunStartTest : public TemporaryFolderTest {
     state.steps = version * 400;
     state.adam_m.assign(state.adam_m.size(), 0.5F);
     state.adam_steps = 7;
-    state.observation = {std::vector<double>(39, 1), std::vector<double>(39, 2), 400};
-    state.reward_return = {{1}, {2}, 3};
+    state.observation = {{std::vector<double>(39, 1), std::vector<double>(39, 2), 400}};
+    state.reward_return = {{{1}, {2}, 3}};
     state.episodes_used = version * 10;
     state.parameters[0] = static_cast<float>(version);
     checkpoint.state = ppo::EncodePpoState(state, request_.config);

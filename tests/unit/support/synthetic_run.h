@@ -38,7 +38,7 @@ inline RunConfig SmallConfig(Method method = MULTIHEAD, int heads = 3, int overl
 inline Episode SyntheticEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
                                 std::uint64_t number) {
   policy::Policy policy(config, snapshot);
-  const policy::HeadSchedule schedule(config, policy::TrainingEpisode(config, number));
+  const auto schedule = policy::HeadSchedule::OfTraining(config, number);
   policy::ActionNoise noise(config, number);
   Episode episode;
   episode.number = number;

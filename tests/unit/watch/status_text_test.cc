@@ -61,7 +61,8 @@ TEST(StatusTextTest, JsonHasTheseNamesInThisOrder) {
       "updates_total steps total_steps mean_return success success_end fps seconds "
       "eta_seconds collect_seconds update_seconds idle_share batch_episodes "
       "episodes_per_update accepted reassigned duplicates rejected stale bytes_sent "
-      "bytes_received checkpoint_version actors_total envs_total actors reordered slots_total | "
+      "bytes_received checkpoint_version actors_total envs_total tasks actors reordered "
+      "slots_total | "
       "name envs "
       "episodes_done steps_per_second accepted rejected assignments oldest_assignment_seconds "
       "silent_seconds on_probation unanswering slots orders oldest_order_seconds");
