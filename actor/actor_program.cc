@@ -18,6 +18,8 @@
 #include "actor/client/actor_client.h"
 #include "actor/options.h"
 #include "actor/play/environment_player.h"
+#include "actor/render/contact_sheet.h"
+#include "actor/replay/task_list.h"
 #include "common/dds/dds_bus.h"
 #include "common/process/build_info.h"
 #include "common/process/cpu_count.h"
@@ -125,6 +127,7 @@ int Execute(const DescribeOptions& options, const environment::EnvironmentRegist
   if (options.name.empty()) {
     for (const environment::EnvironmentEntry& entry : registry.entries())
       text += entry.spec.short_name() + "\n";
+    for (const environment::TaskGroup& group : registry.groups()) text += group.name + "\n";
   } else {
     try {
       google::protobuf::TextFormat::PrintToString(registry.Describe(options.name), &text);
@@ -137,6 +140,10 @@ int Execute(const DescribeOptions& options, const environment::EnvironmentRegist
   return std::cout ? process::kExitFinished : process::kExitFailure;
 }
 
+int Execute(const TasksOptions& options, const environment::EnvironmentRegistry& registry) {
+  if (options.picture.empty()) return replay::RunTasks(std::cout);
+  return render::RunContactSheet(options.picture, registry, std::cout, std::cerr);
+}
 int Execute(const replay::TraceOptions& options,
             const environment::EnvironmentRegistry& /*registry*/) {
   return replay::RunTrace(options, std::cout);

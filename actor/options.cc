@@ -28,6 +28,7 @@ struct Typed {
   play::EvaluateOptions evaluate;
   render::RenderOptions render;
   DescribeOptions environment;
+  TasksOptions tasks;
 };
 
 /// One of a few words; another one is answered with the near miss.
@@ -47,11 +48,15 @@ class TaskOption {
  public:
   explicit TaskOption(const environment::EnvironmentRegistry& registry) : registry_(registry) {}
 
-  [[nodiscard]] CLI::Validator Check() const {
+  /// @param several  a list or a group of tasks will do, too.
+  [[nodiscard]] CLI::Validator Check(bool several = false) const {
     return CLI::Validator(
-        [&registry = registry_](std::string& word) {
+        [&registry = registry_, several](std::string& word) {
           try {
-            static_cast<void>(registry.Find(word));
+            if (several)
+              static_cast<void>(registry.Describe(word));
+            else
+              static_cast<void>(registry.Find(word));
             return std::string();
           } catch (const std::invalid_argument& error) {
             return std::string(error.what());
@@ -66,6 +71,12 @@ class TaskOption {
       text += " " + entry.spec.short_name();
     }
     return text;
+  }
+
+  [[nodiscard]] std::string HelpOfSeveral() const {
+    std::string text = "One or several, separated by commas";
+    for (const environment::TaskGroup& group : registry_.groups()) text += ", or " + group.name;
+    return text + ". " + Help();
   }
 
  private:
@@ -141,40 +152,69 @@ void AddTrace(CLI::App& app, const TaskOption& task, Typed& typed) {
       ->check(OneOf("mode", {"forced", "free"}));
 }
 
+void AddTasks(CLI::App& app, Typed& typed) {
+  CLI::App* tasks = app.add_subcommand("tasks", "List the tasks of Meta-World, a line each");
+  tasks->add_option("--picture", typed.tasks.picture,
+                    "Draw the scene of each into this PNG file instead");
+  tasks->footer(
+      "Columns: the task; its family, of alike scenes; how many numbers a placement has (6: object "
+      "and goal, 3: object or fixture alone); of the official scripted policy's 10 episodes of 500 "
+      "steps the share with success at any step, the share with success at the last one, and the "
+      "mean return; what counts as success.");
+}
+
+/// A benchmark says which tasks and how many.
+void RequireTaskOrBenchmark(const replay::PlacementsOptions& options) {
+  if (!options.benchmark.empty()) return;
+  if (options.task.empty()) throw CLI::RequiredError("--task (or --benchmark)");
+  if (options.mode.empty()) throw CLI::RequiredError("--mode");
+}
+
 void AddPlacements(CLI::App& app, const TaskOption& task, Typed& typed) {
+  replay::PlacementsOptions& options = typed.placements;
   CLI::App* placements = app.add_subcommand(
       "placements", "Print placements (rand_vec: object xyz, goal xyz), one CSV row each");
-  placements->add_option("--task", typed.placements.task, task.Help())
-      ->required()
-      ->check(task.Check());
-  placements
-      ->add_option("--mode", typed.placements.mode,
-                   "random: of training episodes 0, 1, ...; fixed: the one of that seed; mt1: the "
-                   "official benchmark's 50")
-      ->required()
-      ->check(OneOf("mode", {"random", "fixed", "mt1"}));
-  placements->add_option("--seed", typed.placements.seed, "Run seed")
+  CLI::Option* task_option =
+      placements->add_option("--task", options.task, task.Help())->check(task.Check());
+  CLI::Option* mode =
+      placements
+          ->add_option("--mode", options.mode,
+                       "random: of training episodes 0, 1, ...; fixed: the one of that seed; mt1: "
+                       "the official benchmark's 50")
+          ->check(OneOf("mode", {"random", "fixed", "mt1"}));
+  placements->add_option("--seed", options.seed, "Run seed")
       ->required()
       ->transform(text::Number<std::uint64_t>());
-  placements->add_option("--count", typed.placements.count, "How many [10 random, 1 fixed, 50 mt1]")
-      ->transform(text::Number<std::uint64_t>(1, std::uint64_t{1} << 40));
+  CLI::Option* count =
+      placements->add_option("--count", options.count, "How many [10 random, 1 fixed, 50 mt1]")
+          ->transform(text::Number<std::uint64_t>(1, std::uint64_t{1} << 40));
+  placements
+      ->add_option("--benchmark", options.benchmark,
+                   "In place of --task, --mode and --count: mt10, mt50, ml10 or ml45, the official "
+                   "benchmark of many tasks; 50 placements a task, rows begin with task and index, "
+                   "of ml10 and ml45 with train or test before them")
+      ->excludes(task_option)
+      ->excludes(mode)
+      ->excludes(count);
+  placements->callback([&options] { RequireTaskOrBenchmark(options); });
 }
 
 /// Of which episodes, alike for evaluate and render.
 void AddPlacementsOf(CLI::App& command, std::uint64_t& seed, std::string& placements) {
   command
-      .add_option(
-          "--placements", placements,
-          "random: fresh ones, of --seed; mt1: the official benchmark's 50 of --seed; fixed: "
-          "the one of a run with the checkpoint's own seed on that task, as --placements fixed "
-          "trains on")
-      ->check(OneOf("placements", {"random", "fixed", "mt1"}))
+      .add_option("--placements", placements,
+                  "random: fresh ones, of --seed; mt1: the official MT1 benchmark's 50 of --seed; "
+                  "benchmark: "
+                  "of several tasks the official benchmark's that --task names; fixed: the one of "
+                  "a run with the checkpoint's own seed on that task, as --placements fixed "
+                  "trains on")
+      ->check(OneOf("placements", {"random", "fixed", "mt1", "benchmark"}))
       ->capture_default_str();
   command
-      .add_option(
-          "--seed", seed,
-          "Seed of random and mt1 placements, and of the permutations of shuffled heads; a fixed "
-          "placement is the same for all")
+      .add_option("--seed", seed,
+                  "Seed of random and official placements, and of the permutations of shuffled "
+                  "heads; a fixed "
+                  "placement is the same for all")
       ->transform(text::Number<std::uint64_t>())
       ->capture_default_str();
 }
@@ -185,12 +225,12 @@ void AddEvaluate(CLI::App& app, const TaskOption& task, Typed& typed) {
       "evaluate",
       "Measure a checkpoint's deterministic policy, by default on placements never trained on");
   evaluate->add_option("--checkpoint", options.checkpoint, "Checkpoint file")->required();
-  evaluate->add_option("--task", options.task, task.Help() + " [the checkpoint's]")
-      ->check(task.Check());
+  evaluate->add_option("--task", options.task, task.HelpOfSeveral() + " [the checkpoint's]")
+      ->check(task.Check(true));
   evaluate
-      ->add_option(
-          "--episodes", options.episodes,
-          "How many episodes, 1 to 1000000 [50; 1 where fixed placements make all the same]")
+      ->add_option("--episodes", options.episodes,
+                   "How many episodes of each task, 1 to 1000000 [50; 1 where fixed placements "
+                   "make all the same]")
       ->transform(text::Number<std::int32_t>(1, 1'000'000));
   AddPlacementsOf(*evaluate, options.seed, options.placements);
   evaluate
@@ -277,12 +317,14 @@ std::variant<ActorCommand, int> ParseActorCommand(
   const TaskOption task(registry);
   AddRun(app, typed);
   AddEnvironment(app, typed);
+  AddTasks(app, typed);
   AddTrace(app, task, typed);
   AddPlacements(app, task, typed);
   AddEvaluate(app, task, typed);
   AddRender(app, task, typed);
   if (const auto status = text::ParseCommandLine(app, argc, argv)) return *status;
   if (app.got_subcommand("environment")) return ActorCommand(typed.environment);
+  if (app.got_subcommand("tasks")) return ActorCommand(typed.tasks);
   if (app.got_subcommand("trace")) return ActorCommand(typed.trace);
   if (app.got_subcommand("placements")) return ActorCommand(typed.placements);
   if (app.got_subcommand("evaluate")) return ActorCommand(typed.evaluate);

@@ -30,9 +30,14 @@ struct DescribeOptions {
   std::string name;  // empty: all names
 };
 
+/// `metronome-actor tasks`.
+struct TasksOptions {
+  std::string picture;  // PNG file of all scenes; empty: none
+};
+
 using ActorCommand =
-    std::variant<JoinOptions, DescribeOptions, replay::TraceOptions, replay::PlacementsOptions,
-                 play::EvaluateOptions, render::RenderOptions>;
+    std::variant<JoinOptions, DescribeOptions, TasksOptions, replay::TraceOptions,
+                 replay::PlacementsOptions, play::EvaluateOptions, render::RenderOptions>;
 
 /// The command line of an actor program with these environments. Prints help and complaints itself.
 /// @return the command, or the exit status: 0 (help), 2 (usage).

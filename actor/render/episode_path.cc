@@ -6,7 +6,6 @@
 #include "common/text/number_text.h"
 
 namespace metronome::render {
-namespace {
 
 Pose PoseOf(const mjModel& model, const mjData& data) {
   return {{data.qpos, data.qpos + model.nq},
@@ -14,16 +13,13 @@ Pose PoseOf(const mjModel& model, const mjData& data) {
           {data.mocap_quat, data.mocap_quat + std::ptrdiff_t{4} * model.nmocap}};
 }
 
-}  // namespace
-
 EpisodePath FollowEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
-                          const numbers::EpisodeKey& episode,
+                          const policy::HeadSchedule& schedule,
                           const environment::EpisodeStart& start,
                           environment::Environment& environment) {
   const environment::MujocoView& scene = *environment.mujoco();
-  const policy::HeadSchedule schedule(config, episode);
   EpisodePath path;
-  path.heads = schedule.heads();
+  path.heads = config.policy().heads();
   const auto watch = [&](std::int32_t t, const environment::StepOutcome& step) {
     const environment::Landmarks landmarks = scene.landmarks();
     PathPoint point;
@@ -31,7 +27,7 @@ EpisodePath FollowEpisode(const RunConfig& config, const PolicySnapshot& snapsho
     point.hand = landmarks.hand;
     point.object = landmarks.object;
     point.gripper = landmarks.gripper;
-    point.head = schedule.HeadAt(std::max(t - 1, 0));
+    point.head = schedule.HeadAt(std::max(t - 1, 0)) - schedule.first_head();
     point.reward = step.reward;
     point.success = step.success;
     path.points.push_back(std::move(point));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <mujoco/mujoco.h>
+
 #include <array>
 #include <cstdint>
 #include <string>
@@ -20,13 +22,17 @@ struct Pose {
   std::vector<double> mocap_quat;  // [mocap bodies, 4]
 };
 
+/// The scene as it stands.
+Pose PoseOf(const mjModel& model, const mjData& data);
+
 /// The state after t steps. Head, reward and success are those of the step that led to it.
 struct PathPoint {
   Pose pose;
   std::array<double, 3> hand{};    // metres, as all of Landmarks
   std::array<double, 3> object{};  // metres
   double gripper = 0;              // 0 closed, 1 open
-  std::int32_t head = 0;           // at t = 0, where no step has been: the head of the first one
+  std::int32_t head = 0;           // among those of the episode's task, [0, k); at t = 0, where no
+                                   // step has been: the head of the first one
   double reward = 0;
   bool success = false;
 };
@@ -39,9 +45,9 @@ struct EpisodePath {
 };
 
 /// The same episode as `evaluate` plays, looked at after every step; looking changes nothing.
-/// @param episode  whose heads act. @param environment  one in MuJoCo.
+/// @param schedule  whose heads act. @param environment  one in MuJoCo.
 EpisodePath FollowEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
-                          const numbers::EpisodeKey& episode,
+                          const policy::HeadSchedule& schedule,
                           const environment::EpisodeStart& start,
                           environment::Environment& environment);
 

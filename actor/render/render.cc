@@ -104,6 +104,14 @@ play::EvaluateOptions AsEvaluated(const RenderOptions& options) {
   return evaluate;
 }
 
+play::PlayedTask TaskToDraw(const checkpoint::Checkpoint& checkpoint, const RunConfig& config,
+                            const environment::EnvironmentRegistry& registry) {
+  const auto tasks = play::TasksToPlay(checkpoint, config, registry);
+  if (tasks.size() == 1) return tasks.front();
+  throw std::invalid_argument("an episode is of one task: name it by --task, of those of " +
+                              config.environment().task());
+}
+
 void Render(const RenderOptions& options, const environment::EnvironmentRegistry& registry,
             std::ostream& out, std::ostream& err) {
   RequireValid(options);
@@ -119,17 +127,19 @@ void Render(const RenderOptions& options, const environment::EnvironmentRegistry
       options.checkpoint, [&registry](const auto& name) { return registry.Describe(name); });
   const RunConfig config = play::ConfigToEvaluate(checkpoint, evaluate, registry);
   play::Warn(play::DifferencesFromTraining(checkpoint, evaluate, config), err);
-  const std::string& task = config.environment().task();
+  const RunConfig policy = play::PolicyToEvaluate(checkpoint, config);
+  const play::PlayedTask played = TaskToDraw(checkpoint, config, registry);
+  const std::string& task = played.name;
   PoseAt(options, config.environment().horizon());
-  const auto environment = registry.Make(config.environment());
+  const auto environment = registry.Make(config.environment(), played.environment);
   const environment::MujocoView* scene = environment->mujoco();
   if (scene == nullptr) {
     throw std::invalid_argument("environment " + task + " cannot be drawn: it is not in MuJoCo");
   }
   const mjvCamera camera = FindCamera(scene->model(), scene->view(), options.camera);
   const EpisodePath path =
-      FollowEpisode(config, checkpoint.state.policy,
-                    {numbers::RandomPurpose::kEvaluate, evaluate.seed, options.episode},
+      FollowEpisode(policy, checkpoint.state.policy,
+                    play::EvaluationSchedule(evaluate, policy, options.episode, played.policy),
                     play::EvaluationStart(evaluate, config, options.episode), *environment);
   const std::int32_t last = path.outcome.length;
   const std::int32_t pose_at = PoseAt(options, last);  // it may have ended early

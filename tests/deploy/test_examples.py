@@ -21,12 +21,12 @@ from pathlib import Path
 import pytest
 
 import options_page
-from harness import BUILD, LEARNER, ROOT, small
+from harness import ACTOR, BUILD, LEARNER, ROOT, small
 
 OTHERS = {"git", "cd", "cmake", "ctest", "tensorboard", "prometheus", "scp", "podman", "install", "systemctl", "sbatch", "kubectl",
           "apt-get", "fast-discovery-server", "cyclonedds", "export", "/usr/bin/python3"}
 OURS = re.compile(r"(?:build(?:-3\.3\.0)?/bin/)?metronome-(?:actor|learner)|(?:deploy|tests)/[a-z_/]+(?:\.sbatch)?")
-SUBCOMMANDS = ("run", "inspect", "config", "status", "evaluate", "render", "trace", "placements", "environment")
+SUBCOMMANDS = ("run", "inspect", "config", "status", "evaluate", "render", "trace", "placements", "tasks", "environment")
 # Options of learners that `metronome-learner config` does not have, and the launcher's own; those without a value.
 NOT_OF_CONFIG = {"--run", "--runs", "--runs-dir", "--progress", "--log-level", "--log-format", "--actors", "--envs", "--mujoco", "--build"}
 FLAGS = {"--resume", "--new-total"}
@@ -36,7 +36,7 @@ HELPS = [("deploy/train",), ("deploy/setup",), ("deploy/learner",), ("deploy/sec
          ("tests/run",), ("tests/chaos/run",), ("tests/fuzz/run",), ("tests/threads/run",), ("tests/bench/run",), ("tests/fresh/run",),
          *((program, *words) for program in ("metronome-learner", "metronome-actor") for words in ((), ("run",))),
          *(("metronome-learner", word) for word in ("inspect", "config", "status")),
-         *(("metronome-actor", word) for word in ("evaluate", "render", "trace", "placements", "environment"))]
+         *(("metronome-actor", word) for word in ("evaluate", "render", "trace", "placements", "tasks", "environment"))]
 
 
 def commands_of(line):
@@ -242,12 +242,20 @@ def value(words, option):
     return words[words.index(option) + 1] if option in words else None
 
 
+def settings_of(task):
+    """TINY_SETTINGS; of several tasks with an episode of each."""
+    described = subprocess.run([ACTOR, "environment", *task], capture_output=True, text=True).stdout
+    tasks = described.count("\ntasks: ")
+    return [f"collection.episodes_per_update={tasks}" if tasks and "episodes_per_update" in word else word
+            for word in TINY_SETTINGS]
+
+
 def run_train(checkout, words):
     words += ["--build", "build", "--runs", "runs"]
     if "--resume" in words:
         checkout.train(value(words, "--run"))
     else:
-        words += [*TINY_SETTINGS, "--domain", checkout.stage.domain, *(() if "--actors" in words else ("--actors", "1"))]
+        words += [*settings_of(words[1:2]), "--domain", checkout.stage.domain, *(() if "--actors" in words else ("--actors", "1"))]
     said = checkout.check(*words).text
     for line in re.findall(rf"(?:{OURS.pattern}) .*", said):  # what to type next
         judge(shlex.split(line))
