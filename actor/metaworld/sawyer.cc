@@ -72,6 +72,7 @@ SawyerEnvironment::SawyerEnvironment(const TaskSpec& task, const EnvironmentOpti
       options_(options),
       goal_box_(GoalBox(task)),
       stepper_(*model_) {
+  RequireOfficialScenes(options.assets.empty() ? DefaultAssetsPath() : options.assets);
   mocap_ = model_->body_mocapid[Body("mocap")];
   hand_ = Body("hand");
   right_claw_ = Body("rightclaw");

@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 #include <thread>
@@ -183,6 +185,55 @@ TEST(EngineTest, MissingScenesNameTheFileAndTheRemedy) {
     EXPECT_NE(message.find("/nowhere/assets/sawyer_xyz/sawyer_push_v3.xml"), std::string::npos);
     EXPECT_NE(message.find("deploy/setup"), std::string::npos) << message;
   }
+}
+
+/// A folder like the official one, of links, but for one file.
+class OtherScenes {
+ public:
+  explicit OtherScenes(const std::filesystem::path& but) {
+    const std::filesystem::path official = DefaultAssetsPath();
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(
+             official, std::filesystem::directory_options::follow_directory_symlink)) {
+      const auto relative = std::filesystem::relative(entry.path(), official);
+      const auto here = folder_ / relative;
+      if (entry.is_directory())
+        std::filesystem::create_directories(here);
+      else if (relative != but)
+        std::filesystem::create_symlink(std::filesystem::canonical(entry.path()), here);
+      else
+        std::filesystem::copy_file(entry.path(), here);
+    }
+  }
+  ~OtherScenes() { std::filesystem::remove_all(folder_); }
+  OtherScenes(const OtherScenes&) = delete;
+  OtherScenes& operator=(const OtherScenes&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+
+ private:
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("metronome_scenes_" + std::to_string(::getpid()));
+};
+
+TEST(EngineTest, AnotherSceneFileOrNoneIsNamedWithTheRemedy) {
+  const std::string file = "sawyer_xyz/sawyer_push_v3.xml";
+  const OtherScenes scenes(file);
+  const auto refusal = [&scenes](const std::string& task) -> std::string {
+    try {
+      metaworld::tasks::MakeSawyerEnvironment(
+          task, {.goal_visible = true, .assets = scenes.folder().string()});
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  std::ofstream(scenes.folder() / file, std::ios::app) << "<!-- changed -->";
+  const std::string path = (scenes.folder() / file).string();
+  EXPECT_EQ(refusal("push"), "scene file " + path +
+                                 " is not that of Meta-World 3.1.1: remove the folder " +
+                                 scenes.folder().string() + " and run deploy/setup");
+  std::filesystem::remove(scenes.folder() / file);
+  EXPECT_EQ(refusal("reach").find("scene file " + path + " is missing"), 0U) << "another's scene";
 }
 
 TEST(EngineTest, AnErrorInsideMuJoCoIsAnException) {

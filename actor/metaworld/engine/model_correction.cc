@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 
 namespace metronome::metaworld::engine {
 namespace {
 
 /// A body on two slides, as 3.3.0 compiles it. Weights are of translation: it cannot turn.
 struct SlidingBody {
-  const char* scene;
   const char* joint;                 // its first slide
   double inverse_weight;             // of the body
   double inverse_weight_of_slide;    // 1 / m: 2.2.2 adds the joint's armature to m
@@ -21,32 +19,22 @@ struct SlidingBody {
   std::array<double, 4> quaternion;  // of the inertia's axes
 };
 
-const std::array<SlidingBody, 3> kSlidingBodies = {{
-    {"sawyer_xyz/sawyer_stick_obj.xml",
-     "obj_slidex",
-     0.20394823014997854,
-     0.3059223452249678,
-     3.2678033927846117,  // of a mesh, whose volume 2.2.2 reckons 2 % larger
-     {0.028694296582596274, 0.027937440081530672, 0.006279562875314232},
-     {4.2704476970395624e-11, -0.002005016651098468, 0.14315477820664746},
-     {0.9999985765113587, -0.0016872982120468359, 0, 0}},
-    {"sawyer_xyz/sawyer_plate_slide.xml",
-     "goal_slidex",
-     20,
-     20,
-     0.05,
-     {4.5416666666666675e-05, 4.5416666666666675e-05, 8.333333333333336e-05},
-     {0, 0, 0},
-     {1, 0, 0, 0}},
-    {"sawyer_xyz/sawyer_plate_slide_sideway.xml",
-     "goal_slidex",
-     20,
-     20,
-     0.05,
-     {4.5416666666666675e-05, 4.5416666666666675e-05, 8.333333333333336e-05},
-     {0, 0, 0},
-     {1, 0, 0, 0}},
-}};
+const SlidingBody kContainer = {
+    "obj_slidex",
+    0.20394823014997854,
+    0.3059223452249678,
+    3.2678033927846117,  // of a mesh, whose volume 2.2.2 reckons 2 % larger
+    {0.028694296582596274, 0.027937440081530672, 0.006279562875314232},
+    {4.2704476970395624e-11, -0.002005016651098468, 0.14315477820664746},
+    {0.9999985765113587, -0.0016872982120468359, 0, 0}};
+
+const SlidingBody kPlate = {"goal_slidex",
+                            20,
+                            20,
+                            0.05,
+                            {4.5416666666666675e-05, 4.5416666666666675e-05, 8.333333333333336e-05},
+                            {0, 0, 0},
+                            {1, 0, 0, 0}};
 
 void Correct(const SlidingBody& as, mjModel& m) {
   const int joint = mj_name2id(&m, mjOBJ_JOINT, as.joint);
@@ -72,8 +60,9 @@ void CorrectMug(mjModel& m) {
 }  // namespace
 
 void CorrectModel(const std::string& scene, mjModel& model) {
-  for (const SlidingBody& body : kSlidingBodies)
-    if (scene == body.scene) Correct(body, model);
+  if (scene == "sawyer_xyz/sawyer_stick_obj.xml") Correct(kContainer, model);
+  if (scene == "sawyer_xyz/sawyer_plate_slide.xml") Correct(kPlate, model);
+  if (scene == "sawyer_xyz/sawyer_plate_slide_sideway.xml") Correct(kPlate, model);
   if (scene == "sawyer_xyz/sawyer_coffee.xml") CorrectMug(model);
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "actor/metaworld/funnel.h"
 #include "actor/metaworld/tasks/doors/door.h"
 #include "actor/metaworld/tasks/doors/doors.h"
 
@@ -11,16 +12,13 @@ namespace {
 
 using std::numbers::pi;
 
-/// 1 while the hand stays above a funnel around the handle, so that it comes from above.
-double AboveFloor(const Eigen::Vector3d& hand, const Eigen::Vector3d& handle) {
-  const double radius = Norm((hand - handle).head<2>());
-  const double floor = radius <= 0.12 ? 0 : 0.04 * std::log(radius - 0.12) + 0.4;
-  return hand.z() >= floor ? 1 : LongTail(floor - hand.z(), 0, 0.01, floor / 2);
-}
+constexpr Funnel kAroundHandle = {.radius = 0.12, .slope = 0.04, .height = 0.4};
 
 double RewardReady(const Eigen::Vector3d& hand, const Eigen::Vector3d& handle) {
+  const double floor = FunnelHeight(kAroundHandle, Norm((hand - handle).head<2>()));
   const Eigen::Vector3d grip(0.05, 0.03, -0.01);  // of the hand on the handle
-  return Hamacher(AboveFloor(hand, handle), LongTail(Norm(hand - handle - grip), 0, 0.06, 0.5))
+  return Hamacher(AboveFloor(hand.z(), floor, floor / 2),
+                  LongTail(Norm(hand - handle - grip), 0, 0.06, 0.5))
       .value();
 }
 

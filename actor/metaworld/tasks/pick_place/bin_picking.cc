@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "actor/metaworld/funnel.h"
 #include "actor/metaworld/sawyer.h"
-#include "actor/metaworld/tasks/pick_place/floor.h"
 #include "actor/metaworld/tasks/pick_place/pick_place.h"
 
 /// Carry a cube from one bin to the other. As metaworld 3.1.1 has it:

@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "actor/metaworld/funnel.h"
 #include "actor/metaworld/sawyer.h"
-#include "actor/metaworld/tasks/pick_place/floor.h"
 #include "actor/metaworld/tasks/pick_place/pick_place.h"
 
 /// Put a lid on a box. As metaworld 3.1.1 has it: envs/sawyer_box_close_v3.py.

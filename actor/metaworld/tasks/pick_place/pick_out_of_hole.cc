@@ -1,4 +1,4 @@
-#include "actor/metaworld/tasks/pick_place/floor.h"
+#include "actor/metaworld/funnel.h"
 #include "actor/metaworld/tasks/pick_place/free_object.h"
 #include "actor/metaworld/tasks/pick_place/pick_place.h"
 

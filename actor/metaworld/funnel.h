@@ -5,7 +5,7 @@
 #include "actor/metaworld/reward_terms.h"
 
 /// Rewards for a hand that stays high until it is over what it wants, clear of walls.
-namespace metronome::metaworld::tasks::pick_place {
+namespace metronome::metaworld {
 
 /// A surface around a vertical axis: 0 within `radius`, beyond it slope ln(r - radius) + height.
 struct Funnel {
@@ -21,4 +21,4 @@ inline double AboveFloor(double height, double floor, double margin) {
   return height >= floor ? 1 : LongTail(floor - height, 0, 0.01, margin);
 }
 
-}  // namespace metronome::metaworld::tasks::pick_place
+}  // namespace metronome::metaworld
