@@ -18,7 +18,9 @@ class HandInsert final : public Block {
     Place({p[0], p[1], 0.05}, GoalOf(p));  // in the table, which throws it out: as official
   }
 
-  [[nodiscard]] ObjectPose Object() const override { return FreeObject::Object(); }
+  [[nodiscard]] ObjectPose Object() const override {
+    return {BodyPosition(object_), BodyQuaternion(object_)};  // of the body, not of its geom
+  }
 
   Outcome Evaluate(const Observation& observation, const Action& action) override {
     const Situation now = See(observation);
