@@ -1,7 +1,6 @@
 #include "actor/environment/registry.h"
 
 #include <algorithm>
-#include <map>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -16,11 +15,6 @@ std::vector<std::string> NamesOf(const EnvironmentEntry& entry) {
   names.insert(names.end(), entry.aliases.begin(), entry.aliases.end());
   if (names[0] == names[1]) names.erase(names.begin());
   return names;
-}
-
-bool HasName(const EnvironmentEntry& entry, const std::string& name) {
-  const auto names = NamesOf(entry);
-  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 std::string Joined(const std::vector<std::string>& tasks) {
@@ -56,20 +50,23 @@ EnvironmentRegistry::EnvironmentRegistry(std::vector<EnvironmentEntry> entries,
     : entries_(std::move(entries)),
       require_machine_(std::move(require_machine)),
       groups_(std::move(groups)) {
-  std::map<std::string, int> times;
-  const auto count = [&times](const std::string& name) {
-    if (++times[name] > 1) throw std::logic_error("two environments are called " + name);
+  const auto require = [](bool is_new, const std::string& name) {
+    if (!is_new) throw std::logic_error("two environments are called " + name);
   };
-  for (const EnvironmentEntry& entry : entries_) {
-    for (const std::string& name : NamesOf(entry)) count(name);
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    for (const std::string& name : NamesOf(entries_[i])) {
+      require(by_name_.emplace(name, i).second, name);
+    }
   }
-  for (const TaskGroup& group : groups_) count(group.name);
+  for (const TaskGroup& group : groups_) {
+    require(!by_name_.contains(group.name) && FindGroup(group.name) == &group, group.name);
+  }
 }
 
 const EnvironmentEntry& EnvironmentRegistry::Find(const std::string& name) const {
-  const auto found = std::find_if(entries_.begin(), entries_.end(),
-                                  [&name](const auto& entry) { return HasName(entry, name); });
-  if (found != entries_.end()) return *found;
+  if (const auto found = by_name_.find(name); found != by_name_.end()) {
+    return entries_[found->second];
+  }
   std::vector<std::string> known;
   std::vector<std::string> spellings;
   for (const EnvironmentEntry& entry : entries_) {

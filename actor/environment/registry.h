@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -64,6 +66,7 @@ class EnvironmentRegistry {
   [[nodiscard]] const TaskGroup* FindGroup(const std::string& name) const;
 
   std::vector<EnvironmentEntry> entries_;
+  std::map<std::string, std::size_t> by_name_;  // of an entry by each of its names
   std::function<void()> require_machine_;
   std::vector<TaskGroup> groups_;
 };
