@@ -26,6 +26,7 @@ std::vector<std::string> TableOfReadme() {
 
 TEST(MetricsTableTest, TheReadmeSaysWhatEachColumnMeans) {
   algorithm::UpdateReport report;
+  report.tasks.emplace_back().name = "TASK";
   report.metrics = ppo::PpoMetrics(ppo::EmptyPpoReport(1));
   std::vector<std::string> rows;
   for (algorithm::Metric metric : record::MetricsOf(report, {})) {
