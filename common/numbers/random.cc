@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/numbers/elementary.h"
+
 namespace metronome::numbers {
 
 RandomStream::RandomStream(RandomPurpose purpose, std::uint64_t seed, std::uint64_t number,
@@ -33,11 +35,11 @@ double RandomStream::Normal() {
     has_spare_normal_ = false;
     return spare_normal_;
   }
-  const double radius = std::sqrt(-2.0 * std::log(1.0 - Uniform()));  // argument in (0, 1]
+  const double radius = std::sqrt(-2.0 * Log(1.0 - Uniform()));  // argument in (0, 1]
   const double angle = 2.0 * M_PI * Uniform();
-  spare_normal_ = radius * std::sin(angle);
+  spare_normal_ = radius * Sin(angle);
   has_spare_normal_ = true;
-  return radius * std::cos(angle);
+  return radius * Cos(angle);
 }
 
 std::uint64_t RandomStream::Below(std::uint64_t bound) {

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/unit/support/bits_hash.h"
+
 namespace metronome::numbers {
 namespace {
 
@@ -41,6 +43,13 @@ TEST(RandomStreamTest, TheStreamsAreFrozen) {
   const std::uint64_t second = stream.Bits();
   EXPECT_EQ(first, 0x66387239d96c2992U);
   EXPECT_EQ(second, 0x6e3eeb840de668faU);
+}
+
+TEST(RandomStreamTest, TheNormalsAreFrozen) {
+  RandomStream stream(RandomPurpose::kTrain, 1, 0, 0);
+  testing::BitsHash hash;
+  for (int i = 0; i < 10000; ++i) hash.Add(stream.Normal());
+  EXPECT_EQ(hash.value(), 0xa17060302cbfec0cU);
 }
 
 TEST(RandomStreamTest, UniformsAndNormalsHaveTheirMoments) {
