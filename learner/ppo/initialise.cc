@@ -1,31 +1,13 @@
 #include "learner/ppo/initialise.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "common/numbers/orthogonal.h"
 #include "common/numbers/random.h"
 
 namespace metronome::ppo {
 namespace {
-
-// Rows (or columns, whichever are fewer) orthonormal, times gain.
-Eigen::MatrixXd Orthogonal(std::int32_t rows, std::int32_t columns, double gain,
-                           numbers::RandomStream random) {
-  const std::int32_t tall = std::max(rows, columns);
-  const std::int32_t narrow = std::min(rows, columns);
-  Eigen::MatrixXd normal(tall, narrow);
-  for (std::int32_t c = 0; c < narrow; ++c) {
-    for (std::int32_t r = 0; r < tall; ++r) normal(r, c) = random.Normal();
-  }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(normal);
-  Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(tall, narrow);
-  // Signs of R's diagonal made positive: the distribution is then uniform.
-  for (std::int32_t c = 0; c < narrow; ++c) {
-    if (qr.matrixQR()(c, c) < 0) q.col(c) = -q.col(c);
-  }
-  return gain * (rows >= columns ? q : Eigen::MatrixXd(q.transpose()));
-}
 
 class Initialiser {
  public:
@@ -44,15 +26,11 @@ class Initialiser {
  private:
   // Each block of rows has a random stream of its own.
   void Rows(const policy::LayerSlice& slice, std::int32_t first, std::int32_t rows, double gain) {
-    const Eigen::MatrixXd weight = Orthogonal(
-        rows, slice.inputs, gain, {numbers::RandomPurpose::kInitialise, seed_, block_++, 0});
-    for (std::int32_t r = 0; r < rows; ++r) {
-      for (std::int32_t c = 0; c < slice.inputs; ++c) {
-        const std::size_t row = static_cast<std::size_t>(first) + static_cast<std::size_t>(r);
-        parameters_[slice.weight + row * static_cast<std::size_t>(slice.inputs) +
-                    static_cast<std::size_t>(c)] = static_cast<float>(weight(r, c));
-      }
-    }
+    const std::vector<double> weight = numbers::Orthogonal(
+        rows, slice.inputs, {numbers::RandomPurpose::kInitialise, seed_, block_++, 0});
+    float* to = parameters_ + slice.weight +
+                static_cast<std::size_t>(first) * static_cast<std::size_t>(slice.inputs);
+    for (const double number : weight) *to++ = static_cast<float>(gain * number);
   }
 
   float* parameters_;
