@@ -1,8 +1,7 @@
 #pragma once
 
-#include <cmath>
-
 #include "actor/metaworld/reward_terms.h"
+#include "common/numbers/elementary.h"
 
 /// Rewards for a hand that stays high until it is over what it wants, clear of walls.
 namespace metronome::metaworld {
@@ -13,7 +12,7 @@ struct Funnel {
 };
 
 inline double FunnelHeight(const Funnel& funnel, double r) {
-  return r > funnel.radius ? funnel.slope * std::log(r - funnel.radius) + funnel.height : 0;
+  return r > funnel.radius ? funnel.slope * numbers::Log(r - funnel.radius) + funnel.height : 0;
 }
 
 /// 1 at the height of `floor` and above, less below.

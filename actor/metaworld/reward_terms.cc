@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "common/numbers/elementary.h"
+
 namespace metronome::metaworld {
 namespace {
 
@@ -26,8 +28,9 @@ double LongTail(double x, double low, double high, double margin) {
 double Gaussian(double x, double high, double margin) {
   if (0 <= x && x <= high) return 1;
   if (margin == 0) return 0;
-  const double d = (x < 0 ? -x : x - high) / margin * std::sqrt(-2 * std::log(0.1));
-  return std::exp(-0.5 * (d * d));
+  constexpr double kOneTenth = 2.145966026289347;  // sqrt(-2 ln 0.1): the value at the margin
+  const double d = (x < 0 ? -x : x - high) / margin * kOneTenth;
+  return numbers::Exp(-0.5 * (d * d));
 }
 
 Scalar Hamacher(Scalar a, Scalar b) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/numbers/all_finite.h"
+#include "common/numbers/elementary.h"
 #include "common/numbers/random.h"
 #include "common/policy/snapshot.h"
 #include "common/policy/task_of.h"
@@ -86,14 +87,15 @@ class ReportSums {
 void FillHeadSpread(const RunConfig& config, const std::vector<float>& parameters,
                     PpoReport& report) {
   const policy::NetworkShape shape = policy::ShapeOf(config);
+  constexpr double kEntropyOfUnit = 1.4189385332046727;  // of a standard normal: (1 + ln 2 pi) / 2
   const float* log_std = parameters.data() + policy::ActorLayout(shape).log_std;
   for (std::int32_t head = 0; head < shape.heads; ++head) {
     double std = 0;
     double entropy = 0;
     for (std::int32_t i = 0; i < shape.action; ++i) {
       const double value = log_std[head * shape.action + i];
-      std += std::exp(value) / shape.action;
-      entropy += value + 0.5 * (1 + std::log(2 * M_PI));
+      std += numbers::Exp(value) / shape.action;
+      entropy += value + kEntropyOfUnit;
     }
     report.head_std.push_back(std);
     report.head_entropy.push_back(entropy);

@@ -1,10 +1,10 @@
 #include "learner/record/inspect.h"
 
-#include <cmath>
 #include <iomanip>
 #include <nlohmann/json.hpp>
 
 #include "common/config/config_fields.h"
+#include "common/numbers/elementary.h"
 #include "common/policy/network.h"
 
 namespace metronome::record {
@@ -17,7 +17,7 @@ std::vector<double> HeadStd(const checkpoint::Checkpoint& checkpoint) {
   for (int head = 0; head < shape.heads; ++head) {
     double sum = 0;
     for (int i = 0; i < shape.action; ++i)
-      sum += std::exp(double{checkpoint.state.policy.parameters[at++]});
+      sum += numbers::Exp(double{checkpoint.state.policy.parameters[at++]});
     std_of_head.push_back(sum / shape.action);
   }
   return std_of_head;

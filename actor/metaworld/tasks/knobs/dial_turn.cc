@@ -2,6 +2,7 @@
 
 #include "actor/metaworld/sawyer.h"
 #include "actor/metaworld/tasks/knobs/knobs.h"
+#include "common/numbers/elementary.h"
 
 /// Turn a dial half round. As metaworld 3.1.1 has it: envs/sawyer_dial_turn_v3.py.
 namespace metronome::metaworld::tasks::knobs {
@@ -52,7 +53,8 @@ class DialTurn final : public SawyerEnvironment {
 
   [[nodiscard]] Eigen::Vector3d Tip() const {
     const double angle = data_->qpos[knob_];
-    return BodyPosition(dial_) + kRadius * Eigen::Vector3d(std::sin(angle), -std::cos(angle), 0);
+    return BodyPosition(dial_) +
+           kRadius * Eigen::Vector3d(numbers::Sin(angle), -numbers::Cos(angle), 0);
   }
 
   int dial_, knob_, goal_;

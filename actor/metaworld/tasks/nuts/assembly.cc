@@ -1,7 +1,6 @@
-#include <cmath>
-
 #include "actor/metaworld/tasks/nuts/nut.h"
 #include "actor/metaworld/tasks/nuts/nuts.h"
+#include "common/numbers/elementary.h"
 
 /// Put a wrench's ring over a peg. As metaworld 3.1.1 has it: envs/sawyer_assembly_peg_v3.py.
 namespace metronome::metaworld::tasks::nuts {
@@ -38,7 +37,7 @@ class Assembly final : public Nut {
     const double radius = Norm(error.head<2>());
     const bool success = radius < 0.02 && error.z() > 0;
     const double threshold = success ? 0.02 : 0.01;
-    const double height = radius > threshold ? 0.02 * std::log(radius - threshold) + 0.2 : 0;
+    const double height = radius > threshold ? 0.02 * numbers::Log(radius - threshold) + 0.2 : 0;
     error.z() = (height - ring.z()) * 3;
     const bool lifted = ring.z() > 0.02 || radius < threshold;
     return {0.1 * (lifted ? 1 : 0) + 0.9 * LongTail(Norm(error), 0, 0.02, 0.4), success};
