@@ -10,8 +10,8 @@ namespace metronome::play {
 /// the other:
 /// - of the environment: 100 steps of `task` (of each, one after the other, where it names several)
 /// at a fixed start (the next one where it ends) under fixed pseudo-random actions
-///   (observations and rewards as float32), and the elementary functions that noise, policy and
-///   rewards use. Checkpoints of older builds hold it alone: it must not change;
+///   (observations and rewards as float32), and the C library's elementary functions, which engines
+///   call. Checkpoints of older builds hold it alone: it must not change while the bits do not;
 /// - of the policy: decisions of a network of the task's sizes and fixed pseudo-random weights,
 ///   whose sums and tanh are Eigen's.
 /// A pure function of the task, the engine, the build and the processor. About 0.1 s a task, and
