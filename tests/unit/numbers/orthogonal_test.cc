@@ -63,8 +63,8 @@ TEST(OrthogonalTest, NoDirectionIsPreferred) {
     quadrant += m[0] > 0 && m[1] > 0 ? 1 : 0;
     left += m[0] * m[3] - m[1] * m[2] > 0 ? 1 : 0;
   }
-  EXPECT_NEAR(quadrant, kMatrices / 4, 300);
-  EXPECT_NEAR(left, kMatrices / 2, 350);
+  EXPECT_NEAR(quadrant, 0.25 * kMatrices, 300);
+  EXPECT_NEAR(left, 0.5 * kMatrices, 350);
 }
 
 // Vectors keep a positive part along the normal numbers that they were: R's diagonal is positive.
