@@ -5,11 +5,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "actor/metaworld/assets.h"
 #include "actor/metaworld/engine/collision_pairs.h"
 #include "actor/metaworld/engine/engine.h"
+#include "actor/metaworld/engine/geom_travel.h"
 #include "actor/metaworld/tasks/task_table.h"
 #include "common/numbers/random.h"
 #include "tests/parity/tasks.h"
@@ -58,6 +63,100 @@ TEST_P(GeomBoundsTest, PairsThatAreCalledApartHaveNoContact) {
   }
   EXPECT_GT(apart, 1000);
   EXPECT_GT(touching, 1000);
+}
+
+// Where the engine would be first to err: moved apart until the test just says so.
+TEST_P(GeomBoundsTest, PairsThatAreBarelyCalledApartHaveNoContact) {
+  const auto scene = metaworld::engine::Scene::Load(DefaultAssetsPath(),
+                                                    metaworld::tasks::FindTask(GetParam()).scene);
+  const mjModel& m = scene->model();
+  const metaworld::engine::DataPtr data = scene->MakeData();
+  const metaworld::engine::GeomBounds bounds(m);
+  mj_forward(&m, data.get());
+  numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 32, 0, 0);
+  std::array<mjContact, mjMAXCONPAIR> contacts;
+  int barely = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    int geom1 = static_cast<int>(random.Below(static_cast<std::uint64_t>(m.ngeom)));
+    int geom2 = static_cast<int>(random.Below(static_cast<std::uint64_t>(m.ngeom)));
+    if (m.geom_type[geom1] > m.geom_type[geom2]) std::swap(geom1, geom2);
+    const mjfCollision collide = mjCOLLISIONFUNC[m.geom_type[geom1]][m.geom_type[geom2]];
+    if (geom1 == geom2 || collide == nullptr) continue;
+    PlaceAtRandom(m, *data, geom1, random);
+    PlaceAtRandom(m, *data, geom2, random);
+    mjtNum* moved = data->geom_xpos + 3 * geom2;
+    const std::array<mjtNum, 3> start = {moved[0], moved[1], moved[2]};
+    const std::array<mjtNum, 3> way = {random.Normal(), random.Normal(), random.Normal()};
+    const auto apart_at = [&](mjtNum distance) {
+      for (std::size_t i = 0; i < 3; ++i) moved[i] = start[i] + distance * way[i];
+      return bounds.SurelyApart(*data, geom1, geom2, 0);
+    };
+    mjtNum near = 0, far = 4;
+    if (apart_at(near) || !apart_at(far)) continue;
+    for (int i = 0; i < 24; ++i) {
+      const mjtNum middle = (near + far) / 2;
+      (apart_at(middle) ? far : near) = middle;
+    }
+    ASSERT_TRUE(apart_at(far));
+    ASSERT_EQ(collide(&m, data.get(), contacts.data(), geom1, geom2, 0), 0)
+        << "geoms " << geom1 << " and " << geom2;
+    ++barely;
+  }
+  EXPECT_GT(barely, 1000);
+}
+
+TEST_P(GeomBoundsTest, NoPointOfAGeomMovesFartherThanItsTravel) {
+  const auto scene = metaworld::engine::Scene::Load(DefaultAssetsPath(),
+                                                    metaworld::tasks::FindTask(GetParam()).scene);
+  const mjModel& m = scene->model();
+  const metaworld::engine::DataPtr data = scene->MakeData();
+  mj_forward(&m, data.get());
+  numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 33, 0, 0);
+  metaworld::engine::GeomTravel travel(m);
+  for (int geom = 0; geom < m.ngeom; ++geom) travel.Follow(geom);
+  ASSERT_FALSE(travel.Add(*data));
+  for (int geom = 0; geom < m.ngeom; ++geom) {
+    if (m.geom_type[geom] != mjGEOM_MESH) continue;
+    const int mesh = m.geom_dataid[geom];
+    const auto place = [&](int vertex) {
+      const float* local = m.mesh_vert + 3 * (m.mesh_vertadr[mesh] + vertex);
+      std::array<mjtNum, 3> world;
+      for (int i = 0; i < 3; ++i) {
+        const mjtNum* row = data->geom_xmat + 9 * geom + 3 * i;
+        world[static_cast<std::size_t>(i)] = data->geom_xpos[3 * geom + i] + row[0] * local[0] +
+                                             row[1] * local[1] + row[2] * local[2];
+      }
+      return world;
+    };
+    const mjtNum before = travel.Of(geom);
+    std::vector<std::array<mjtNum, 3>> vertices;
+    for (int i = 0; i < m.mesh_vertnum[mesh]; ++i) vertices.push_back(place(i));
+    PlaceAtRandom(m, *data, geom, random);
+    ASSERT_TRUE(travel.Add(*data));
+    for (int i = 0; i < m.mesh_vertnum[mesh]; ++i) {
+      const std::array<mjtNum, 3> now = place(i), then = vertices[static_cast<std::size_t>(i)];
+      const mjtNum moved = std::hypot(now[0] - then[0], now[1] - then[1], now[2] - then[2]);
+      ASSERT_LE(moved, travel.Of(geom) - before + 1e-9) << "geom " << geom;
+    }
+  }
+}
+
+TEST_P(GeomBoundsTest, TravelBeginsAnewAfterAPoseThatIsNotFinite) {
+  const auto scene = metaworld::engine::Scene::Load(DefaultAssetsPath(),
+                                                    metaworld::tasks::FindTask(GetParam()).scene);
+  const metaworld::engine::DataPtr data = scene->MakeData();
+  mj_forward(&scene->model(), data.get());
+  metaworld::engine::GeomTravel travel(scene->model());
+  travel.Follow(0);
+  EXPECT_FALSE(travel.Add(*data));
+  EXPECT_TRUE(travel.Add(*data));
+  const mjtNum at = std::exchange(data->geom_xpos[0], std::numeric_limits<mjtNum>::quiet_NaN());
+  EXPECT_FALSE(travel.Add(*data));
+  data->geom_xpos[0] = at;
+  EXPECT_FALSE(travel.Add(*data));
+  EXPECT_TRUE(travel.Add(*data));
+  EXPECT_EQ(travel.Of(0), 0);
+  EXPECT_EQ(travel.Moves(0), 3);
 }
 
 TEST_P(GeomBoundsTest, ASceneWithPredefinedPairsIsRefused) {

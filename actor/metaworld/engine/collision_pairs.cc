@@ -139,10 +139,16 @@ void CheckScene(const mjModel& m) {
 
 }  // namespace
 
-CollisionPairs::CollisionPairs(const mjModel& model) : model_(model), bounds_(model) {
+CollisionPairs::CollisionPairs(const mjModel& model)
+    : model_(model), bounds_(model), travel_(model) {
   CheckScene(model);
   for (int body1 = 0; body1 < model.nbody; ++body1) {
     for (int body2 = body1 + 1; body2 < model.nbody; ++body2) AddCandidates(body1, body2);
+  }
+  for (const Candidate& pair : candidates_) {
+    waits_.push_back({pair.geom1, pair.geom2});
+    travel_.Follow(pair.geom1);
+    travel_.Follow(pair.geom2);
   }
 }
 
@@ -194,12 +200,23 @@ CollisionPairs::Candidate CollisionPairs::MakeCandidate(const mjModel& m, int ge
 
 void CollisionPairs::Collide(mjData& data) {
   ClearContacts(data);
-  for (const Candidate& pair : candidates_) {
-    if (!bounds_.SurelyApart(data, pair.geom1, pair.geom2, pair.margin)) CollidePair(pair, data);
+  if (!travel_.Add(data)) {
+    for (Wait& wait : waits_) wait.travel = 0;
+  }
+  for (std::size_t i = 0; i < waits_.size(); ++i) {
+    Wait& wait = waits_[i];
+    const mjtNum travel = travel_.Of(wait.geom1) + travel_.Of(wait.geom2);
+    const std::int64_t moves = travel_.Moves(wait.geom1) + travel_.Moves(wait.geom2);
+    if (travel < wait.travel || moves == wait.moves) continue;
+    const Candidate& pair = candidates_[i];
+    const mjtNum clearance = bounds_.Clearance(data, pair.geom1, pair.geom2, pair.margin);
+    const bool touch = clearance <= 0 && CollidePair(pair, data);
+    wait.travel = travel + clearance;
+    wait.moves = touch ? -1 : moves;
   }
 }
 
-void CollisionPairs::CollidePair(const Candidate& pair, mjData& data) {
+bool CollisionPairs::CollidePair(const Candidate& pair, mjData& data) {
   mjContact* contacts = contacts_.data();
   int count = pair.function(&model_, &data, contacts, pair.geom1, pair.geom2, pair.margin);
   if (pair.boxes) {
@@ -221,8 +238,9 @@ void CollisionPairs::CollidePair(const Candidate& pair, mjData& data) {
     contact.efc_address = -1;
     contact.mu = 0;
     std::fill(std::begin(contact.H), std::end(contact.H), 0.0);
-    if (mj_addContact(&model_, &data, &contact) != 0) return;  // full: the engine has warned
+    if (mj_addContact(&model_, &data, &contact) != 0) break;  // full: the engine has warned
   }
+  return count > 0;
 }
 
 }  // namespace metronome::metaworld::engine

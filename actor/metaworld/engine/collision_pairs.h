@@ -3,9 +3,11 @@
 #include <mujoco/mujoco.h>
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "actor/metaworld/engine/geom_bounds.h"
+#include "actor/metaworld/engine/geom_travel.h"
 
 namespace metronome::metaworld::engine {
 
@@ -13,7 +15,8 @@ namespace metronome::metaworld::engine {
 ///
 /// The engine sorts all bodies along an axis at every call, then compares bounding spheres (2.2.2)
 /// or trees of boxes (3.3.0). These scenes have some fifty candidate pairs, known beforehand, most
-/// of them far apart: they are tested here one by one (geom_bounds.h), and the engine's own
+/// of them far apart: they are tested here one by one (geom_bounds.h), each again only once its
+/// geoms have moved as far as they were apart, or at all (geom_travel.h), and the engine's own
 /// collision functions see what is left. Not thread-safe; one per environment.
 class CollisionPairs {
  public:
@@ -39,13 +42,23 @@ class CollisionPairs {
     std::array<mjtNum, mjNIMP> solimp{};
   };
 
+  /// What is looked at each time of each candidate, apart from the rest for the cache's sake.
+  struct Wait {
+    int geom1 = 0, geom2 = 0;
+    mjtNum travel = 0;        // of both together, metres; they are surely apart before
+    std::int64_t moves = -1;  // of both together at which they had no contact
+  };
+
   static Candidate MakeCandidate(const mjModel& model, int geom1, int geom2);
   void AddCandidates(int body1, int body2);
-  void CollidePair(const Candidate& pair, mjData& data);
+  /// @return whether they touch.
+  bool CollidePair(const Candidate& pair, mjData& data);
 
   const mjModel& model_;
   const GeomBounds bounds_;
-  std::vector<Candidate> candidates_;               // in the engine's order
+  std::vector<Candidate> candidates_;  // in the engine's order
+  std::vector<Wait> waits_;            // of the candidates
+  GeomTravel travel_;
   std::array<mjContact, mjMAXCONPAIR> contacts_{};  // scratch
 };
 

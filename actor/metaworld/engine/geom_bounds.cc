@@ -6,7 +6,8 @@
 namespace metronome::metaworld::engine {
 namespace {
 
-constexpr mjtNum kSlack = 1e-3;  // metres
+constexpr mjtNum kSlack = 5e-5;   // metres
+constexpr mjtNum kPlenty = 1e-2;  // metres: a gap that is not worth to be known better
 
 using Vector = std::array<mjtNum, 3>;
 
@@ -36,19 +37,17 @@ GeomBounds::GeomBounds(const mjModel& model) {
 GeomBounds::Bounds GeomBounds::Of(const mjModel& model, int geom) {
   const mjtNum* size = model.geom_size + 3 * geom;
   Bounds bounds;
-  bounds.radius = model.geom_rbound[geom];
   switch (model.geom_type[geom]) {
     case mjGEOM_PLANE:
       bounds.plane = true;
       break;
-    case mjGEOM_SPHERE:
-      bounds.half = {size[0], size[0], size[0]};
-      break;
     case mjGEOM_CAPSULE:
-      bounds.half = {size[0], size[0], size[0] + size[1]};
+      bounds.half[2] = size[1];
+      bounds.ball = size[0];
       break;
     case mjGEOM_CYLINDER:
-      bounds.half = {size[0], size[0], size[1]};
+      bounds.half[2] = size[1];
+      bounds.disk = size[0];
       break;
     case mjGEOM_ELLIPSOID:
     case mjGEOM_BOX:
@@ -57,7 +56,7 @@ GeomBounds::Bounds GeomBounds::Of(const mjModel& model, int geom) {
     case mjGEOM_MESH:
       return OfMesh(model, geom);
     default:
-      bounds.half = {bounds.radius, bounds.radius, bounds.radius};
+      bounds.ball = model.geom_rbound[geom];
   }
   return bounds;
 }
@@ -72,7 +71,6 @@ GeomBounds::Bounds GeomBounds::OfMesh(const mjModel& model, int geom) {
     high[i % 3] = std::max(high[i % 3], mjtNum{vertex[i]});
   }
   Bounds bounds;
-  bounds.radius = model.geom_rbound[geom];
   for (int i = 0; i < 3; ++i) {
     bounds.centre[i] = (low[i] + high[i]) / 2;
     bounds.half[i] = (high[i] - low[i]) / 2;
@@ -80,38 +78,91 @@ GeomBounds::Bounds GeomBounds::OfMesh(const mjModel& model, int geom) {
   return bounds;
 }
 
-bool GeomBounds::SurelyApart(const mjData& data, int geom1, int geom2, mjtNum margin) const {
-  const mjtNum gap = std::max(margin, mjtNum{0}) + kSlack;
-  const Bounds& a = bounds_[static_cast<std::size_t>(geom1)];
-  const Bounds& b = bounds_[static_cast<std::size_t>(geom2)];
-  if (a.plane) return PlaneApart(data, geom1, geom2, gap);
-  if (b.plane) return PlaneApart(data, geom2, geom1, gap);
-  const mjtNum* from = data.geom_xpos + 3 * geom1;
-  const mjtNum* to = data.geom_xpos + 3 * geom2;
-  const Vector offset{to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-  const mjtNum reach = a.radius + b.radius + gap;
-  const mjtNum squared = offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2];
-  return squared > reach * reach || BoxesApart(data, geom1, geom2, gap);
+/// @param direction  of length 1, in the geom's frame.
+mjtNum GeomBounds::Bounds::Reach(const Vector& direction) const {
+  const auto [x, y, z] = direction;
+  return half[0] * std::abs(x) + half[1] * std::abs(y) + half[2] * std::abs(z) +
+         disk * std::sqrt(x * x + y * y) + ball;
 }
 
-// Signed distance of the box's nearest corner above the plane.
-bool GeomBounds::PlaneApart(const mjData& data, int plane, int geom, mjtNum gap) const {
-  const Bounds& box = bounds_[static_cast<std::size_t>(geom)];
+/// Bounds of two geoms, and how they lie to each other.
+struct GeomBounds::Pair {
+  const Bounds& a;
+  const Bounds& b;
+  std::array<Vector, 3> rows;     // row i is axis i of `a` in the frame of `b`
+  std::array<Vector, 3> columns;  // the transpose: axes of `b` in the frame of `a`
+  Vector to_b, to_a;              // from one centre to the other, in the frames of `a`, of `b`
+
+  [[nodiscard]] mjtNum FaceGap() const;
+  [[nodiscard]] mjtNum EdgeGap() const;
+  static mjtNum RoundGap(const Bounds& round, const Vector& offset,
+                         const std::array<Vector, 3>& axes, const Bounds& other);
+};
+
+/// The widest gap along an axis of either frame.
+mjtNum GeomBounds::Pair::FaceGap() const {
+  constexpr std::array<Vector, 3> kAxes = {Vector{1, 0, 0}, Vector{0, 1, 0}, Vector{0, 0, 1}};
+  mjtNum widest = -mjMAXVAL;
+  for (std::size_t i = 0; i < 3; ++i) {
+    widest = std::max(widest, std::abs(to_b[i]) - a.Reach(kAxes[i]) - b.Reach(rows[i]));
+    widest = std::max(widest, std::abs(to_a[i]) - b.Reach(kAxes[i]) - a.Reach(columns[i]));
+  }
+  return widest;
+}
+
+/// The widest gap along the products of two edges. They have length sqrt(1 - r^2), at most 1: the
+/// boxes are as far apart, at least.
+mjtNum GeomBounds::Pair::EdgeGap() const {
+  mjtNum widest = -mjMAXVAL;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    for (std::size_t j = 0; j < 3; ++j) {
+      const std::size_t j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      const mjtNum reach = a.half[i1] * std::abs(rows[i2][j]) + a.half[i2] * std::abs(rows[i1][j]) +
+                           b.half[j1] * std::abs(rows[i][j2]) + b.half[j2] * std::abs(rows[i][j1]);
+      widest = std::max(widest, std::abs(to_b[i2] * rows[i1][j] - to_b[i1] * rows[i2][j]) - reach);
+    }
+  }
+  return widest - (a.disk + a.ball + b.disk + b.ball);
+}
+
+/// The gap along the shortest way from the round geom's axis, or point, to the other's centre.
+/// @param offset  of the other's centre. @param axes  of the other; both in the round one's frame.
+mjtNum GeomBounds::Pair::RoundGap(const Bounds& round, const Vector& offset,
+                                  const std::array<Vector, 3>& axes, const Bounds& other) {
+  if (round.disk + round.ball == 0) return -mjMAXVAL;
+  Vector way = offset;
+  if (round.half[2] > 0) way[2] = 0;
+  const mjtNum length = std::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+  if (!(length > mjMINVAL)) return -mjMAXVAL;
+  for (mjtNum& x : way) x /= length;
+  Vector in_other;
+  for (std::size_t j = 0; j < 3; ++j) {
+    in_other[j] = way[0] * axes[j][0] + way[1] * axes[j][1] + way[2] * axes[j][2];
+  }
+  return length - round.Reach(way) - other.Reach(in_other);
+}
+
+mjtNum GeomBounds::Clearance(const mjData& data, int geom1, int geom2, mjtNum margin) const {
+  const mjtNum gap = std::max(margin, mjtNum{0}) + kSlack;
+  if (bounds_[static_cast<std::size_t>(geom1)].plane) return AbovePlane(data, geom1, geom2) - gap;
+  if (bounds_[static_cast<std::size_t>(geom2)].plane) return AbovePlane(data, geom2, geom1) - gap;
+  return Between(data, geom1, geom2) - gap;
+}
+
+mjtNum GeomBounds::AbovePlane(const mjData& data, int plane, int geom) const {
+  const Bounds& bounds = bounds_[static_cast<std::size_t>(geom)];
   const mjtNum* m = data.geom_xmat + 9 * plane;
   const Vector normal{m[2], m[5], m[8]};
   const mjtNum* on = data.geom_xpos + 3 * plane;
   const mjtNum* axes = data.geom_xmat + 9 * geom;
-  const Vector centre = Placed(data.geom_xpos + 3 * geom, axes, box.centre);
-  const Vector along = Rotated(axes, normal);
+  const Vector centre = Placed(data.geom_xpos + 3 * geom, axes, bounds.centre);
   mjtNum height = 0;
-  for (int i = 0; i < 3; ++i) {
-    height += normal[i] * (centre[i] - on[i]) - std::abs(along[i]) * box.half[i];
-  }
-  return height > gap;
+  for (std::size_t i = 0; i < 3; ++i) height += normal[i] * (centre[i] - on[i]);
+  return height - bounds.Reach(Rotated(axes, normal));
 }
 
-// Separating axes: the faces' normals of both boxes, then the products of their edges.
-bool GeomBounds::BoxesApart(const mjData& data, int geom1, int geom2, mjtNum gap) const {
+mjtNum GeomBounds::Between(const mjData& data, int geom1, int geom2) const {
   const Bounds& a = bounds_[static_cast<std::size_t>(geom1)];
   const Bounds& b = bounds_[static_cast<std::size_t>(geom2)];
   const mjtNum* axes1 = data.geom_xmat + 9 * geom1;
@@ -119,36 +170,16 @@ bool GeomBounds::BoxesApart(const mjData& data, int geom1, int geom2, mjtNum gap
   const Vector from = Placed(data.geom_xpos + 3 * geom1, axes1, a.centre);
   const Vector to = Placed(data.geom_xpos + 3 * geom2, axes2, b.centre);
   const Vector offset{to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-  const Vector t = Rotated(axes1, offset);  // in the frame of box 1
-  mjtNum r[3][3];                           // axes of box 2 in the frame of box 1, as columns
-  mjtNum r_abs[3][3];
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      r[i][j] = axes1[i] * axes2[j] + axes1[3 + i] * axes2[3 + j] + axes1[6 + i] * axes2[6 + j];
-      r_abs[i][j] = std::abs(r[i][j]);
-    }
-    const mjtNum reach =
-        a.half[i] + r_abs[i][0] * b.half[0] + r_abs[i][1] * b.half[1] + r_abs[i][2] * b.half[2];
-    if (std::abs(t[i]) > reach + gap) return true;
+  Pair pair{a, b, {}, {}, Rotated(axes1, offset), Rotated(axes2, offset)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    pair.rows[i] = Rotated(axes2, {axes1[i], axes1[3 + i], axes1[6 + i]});
+    for (std::size_t j = 0; j < 3; ++j) pair.columns[j][i] = pair.rows[i][j];
   }
-  for (int j = 0; j < 3; ++j) {
-    const mjtNum reach =
-        b.half[j] + r_abs[0][j] * a.half[0] + r_abs[1][j] * a.half[1] + r_abs[2][j] * a.half[2];
-    const mjtNum distance = t[0] * r[0][j] + t[1] * r[1][j] + t[2] * r[2][j];
-    if (std::abs(distance) > reach + gap) return true;
-  }
-  for (int i = 0; i < 3; ++i) {
-    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-    for (int j = 0; j < 3; ++j) {
-      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      // The product of the two edges, of length sqrt(1 - r^2): at most 1, so `gap` is asked for
-      // at least.
-      const mjtNum reach = a.half[i1] * r_abs[i2][j] + a.half[i2] * r_abs[i1][j] +
-                           b.half[j1] * r_abs[i][j2] + b.half[j2] * r_abs[i][j1];
-      if (std::abs(t[i2] * r[i1][j] - t[i1] * r[i2][j]) > reach + gap) return true;
-    }
-  }
-  return false;
+  const mjtNum faces = pair.FaceGap();
+  if (faces > kPlenty) return faces;
+  const Vector back{-pair.to_a[0], -pair.to_a[1], -pair.to_a[2]};
+  return std::max({faces, pair.EdgeGap(), Pair::RoundGap(a, pair.to_b, pair.columns, b),
+                   Pair::RoundGap(b, back, pair.rows, a)});
 }
 
 }  // namespace metronome::metaworld::engine
