@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "actor/metaworld/engine/looks.h"
+
 namespace metronome::render {
 namespace {
 
@@ -39,7 +41,7 @@ void FadeArm(mjModel& model, double opacity) {
 
 metaworld::engine::ModelPtr ModelToDraw(const mjModel& model, const ImageSize& size,
                                         double arm_opacity) {
-  metaworld::engine::ModelPtr copy(mj_copyModel(nullptr, &model));
+  metaworld::engine::ModelPtr copy = metaworld::engine::CopyToDraw(model);
   copy->vis.global.offwidth = size.width;
   copy->vis.global.offheight = size.height;
   copy->vis.quality.shadowsize = kShadowMap;

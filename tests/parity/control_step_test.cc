@@ -11,6 +11,7 @@
 
 #include "actor/metaworld/assets.h"
 #include "actor/metaworld/engine/engine.h"
+#include "actor/metaworld/engine/looks.h"
 #include "actor/metaworld/tasks/task_table.h"
 #include "common/numbers/random.h"
 #include "tests/parity/tasks.h"
@@ -63,11 +64,11 @@ class ControlStepTest : public testing::TestWithParam<std::string> {
                                                       metaworld::tasks::FindTask(GetParam()).scene);
     model_.emplace(scene->model());
     stepper_ = std::make_unique<metaworld::engine::ControlStepper>(**model_);
-    for (metaworld::engine::DataPtr* data : {&plain_, &fast_}) {
-      *data = scene->MakeData();
-      mj_resetData(model_->get(), data->get());
-      mj_forward(model_->get(), data->get());
-    }
+    whole_ = metaworld::engine::CopyToDraw(**model_);
+    plain_.reset(mj_makeData(whole_.get()));
+    fast_ = scene->MakeData();
+    mj_forward(whole_.get(), plain_.get());
+    mj_forward(model_->get(), fast_.get());
   }
 
   /// Walks the hand about the table, low and among the objects for most of the time.
@@ -86,13 +87,14 @@ class ControlStepTest : public testing::TestWithParam<std::string> {
     data.ctrl[1] = -data.ctrl[0];
   }
 
-  /// As the official environment makes it.
+  /// As the official environment makes it, with all that the scene has to show.
   void PlainControlStep(mjData& data) const {
-    for (int i = 0; i < metaworld::engine::kPhysicsSteps; ++i) mj_step(model_->get(), &data);
-    mj_forward(model_->get(), &data);
+    for (int i = 0; i < metaworld::engine::kPhysicsSteps; ++i) mj_step(whole_.get(), &data);
+    mj_forward(whole_.get(), &data);
   }
 
   std::optional<metaworld::engine::PlacedModel> model_;
+  metaworld::engine::ModelPtr whole_;
   std::unique_ptr<metaworld::engine::ControlStepper> stepper_;
   metaworld::engine::DataPtr plain_, fast_;
 };
@@ -121,6 +123,28 @@ TEST_P(ControlStepTest, ABadStateIsResetAsByThePlainLoop) {
   stepper_->ControlStepAfterForward(*fast_);
   EXPECT_EQ(fast_->warning[mjWARN_BADQVEL].number, plain_->warning[mjWARN_BADQVEL].number);
   ExpectSameState(**model_, *plain_, *fast_);
+}
+
+TEST_P(ControlStepTest, TheModelThatIsPlayedHasThoseNumbersOfTheWholeThatPhysicsReads) {
+  const mjModel &slim = **model_, &whole = *whole_;
+  EXPECT_LT(slim.nbuffer, 1500000);
+  EXPECT_GT(whole.nbuffer, 4 * slim.nbuffer);
+  ASSERT_EQ(slim.ngeom, whole.ngeom);
+  EXPECT_TRUE(SameBits(slim.geom_pos, whole.geom_pos, 3 * slim.ngeom));
+  EXPECT_TRUE(SameBits(slim.body_inertia, whole.body_inertia, 3 * slim.nbody));
+  ASSERT_EQ(slim.nmeshvert, whole.nmeshvert);
+  EXPECT_EQ(std::memcmp(slim.mesh_vert, whole.mesh_vert, 12U * unsigned(slim.nmeshvert)), 0);
+  ASSERT_EQ(slim.nmeshgraph, whole.nmeshgraph);
+  EXPECT_EQ(std::memcmp(slim.mesh_graph, whole.mesh_graph, 4U * unsigned(slim.nmeshgraph)), 0);
+}
+
+TEST_P(ControlStepTest, AModelToDrawHasThePlacesOfThePlacedOne) {
+  (*model_)->body_pos[4] += 0.125;
+  const metaworld::engine::ModelPtr drawn = metaworld::engine::CopyToDraw(**model_);
+  EXPECT_GT(drawn->ntexdata, 0);
+  EXPECT_TRUE(SameBits(drawn->body_pos, (*model_)->body_pos, 3 * drawn->nbody));
+  const metaworld::engine::ModelPtr copy = metaworld::engine::CopyToDraw(*drawn);
+  EXPECT_EQ(copy->nbuffer, drawn->nbuffer);  // of no scene: as it is
 }
 
 INSTANTIATE_TEST_SUITE_P(Tasks, ControlStepTest, EachTask(), TestName);

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
+#include "actor/metaworld/engine/looks.h"
 #include "actor/metaworld/engine/model_correction.h"
 #include "actor/metaworld/engine/weld_correction.h"
 
@@ -41,6 +43,31 @@ ModelPtr LoadModel(const std::string& path, const std::string& scene) {
   return model;
 }
 
+struct LoadedScene {
+  std::string file;  // relative to the assets folder
+  std::shared_ptr<Scene> scene;
+};
+
+struct LoadedScenes {
+  process::Mutex mutex;
+  std::map<std::string, LoadedScene> by_path METRONOME_GUARDED_BY(mutex);
+
+  static LoadedScenes& OfProcess() {
+    static LoadedScenes scenes;
+    return scenes;
+  }
+
+  /// Path and file of the scene that `model` is a placed one of; both empty if of none. They share
+  /// all arrays but the positions.
+  std::pair<std::string, std::string> SourceOf(const mjModel& model) {
+    const process::MutexLock lock(mutex);
+    for (const auto& [path, loaded] : by_path) {
+      if (loaded.scene && loaded.scene->model().names == model.names) return {path, loaded.file};
+    }
+    return {};
+  }
+};
+
 }  // namespace
 
 void InitialiseEngine() {
@@ -53,14 +80,24 @@ void InitialiseEngine() {
 }
 
 std::shared_ptr<Scene> Scene::Load(const std::string& assets, const std::string& scene) {
-  static process::Mutex mutex;
-  static std::map<std::string, std::shared_ptr<Scene>> scenes METRONOME_GUARDED_BY(mutex);
+  LoadedScenes& all = LoadedScenes::OfProcess();
   InitialiseEngine();
   const std::string path = assets + "/" + scene;
-  const process::MutexLock lock(mutex);
-  auto& entry = scenes[path];
-  if (!entry) entry = std::shared_ptr<Scene>(new Scene(LoadModel(path, scene)));
-  return entry;
+  const process::MutexLock lock(all.mutex);
+  LoadedScene& loaded = all.by_path[path];
+  if (!loaded.scene) {
+    loaded = {scene, std::shared_ptr<Scene>(new Scene(WithoutLooks(LoadModel(path, scene))))};
+  }
+  return loaded.scene;
+}
+
+ModelPtr CopyToDraw(const mjModel& model) {
+  const auto [path, file] = LoadedScenes::OfProcess().SourceOf(model);
+  if (path.empty()) return ModelPtr(mj_copyModel(nullptr, &model));
+  ModelPtr drawn = LoadModel(path, file);
+  std::copy_n(model.body_pos, std::ptrdiff_t{3} * model.nbody, drawn->body_pos);
+  std::copy_n(model.site_pos, std::ptrdiff_t{3} * model.nsite, drawn->site_pos);
+  return drawn;
 }
 
 Scene::SharedState& Scene::StateOf(const std::string& key) {
