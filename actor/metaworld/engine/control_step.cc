@@ -38,6 +38,22 @@ bool Moves(const mjModel& m, int body) {
   return m.body_weldid[body] != 0 || m.body_mocapid[m.body_rootid[body]] >= 0;
 }
 
+/// mj_kinematics, for mocap bodies alone (they hang on the world). It normalises their quaternions
+/// twice, which is not the same bits as once.
+void PlaceMocapBodies(const mjModel& m, mjData& d) {
+  for (int i = 0; i < m.nbody; ++i) {
+    const int mocap = m.body_mocapid[i];
+    if (mocap < 0) continue;
+    mju_copy3(d.xpos + 3 * i, d.mocap_pos + 3 * mocap);
+    mju_copy4(d.xquat + 4 * i, d.mocap_quat + 4 * mocap);
+    mju_normalize4(d.xquat + 4 * i);
+    mju_normalize4(d.xquat + 4 * i);
+    mju_quat2Mat(d.xmat + 9 * i, d.xquat + 4 * i);
+    mj_local2Global(&d, d.xipos + 3 * i, d.ximat + 9 * i, m.body_ipos + 3 * i, m.body_iquat + 4 * i,
+                    i, m.body_sameframe[i]);
+  }
+}
+
 }  // namespace
 
 ControlStepper::ControlStepper(const mjModel& model)
@@ -111,7 +127,7 @@ void ControlStepper::Step(mjData& d) {
 /// inertia and velocity terms are those that it left.
 void ControlStepper::StepAfterForward(mjData& d) const {
   const mjModel* m = &model_;
-  mj_kinematics(&bodies_only_, &d);  // the mocap bodies' place
+  PlaceMocapBodies(*m, d);
   mj_makeConstraint(m, &d);
   mj_referenceConstraint(m, &d);
   if (mjcb_control != nullptr) mjcb_control(m, &d);
