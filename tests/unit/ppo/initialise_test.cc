@@ -25,7 +25,7 @@ TEST(InitialiseTest, EachHeadHasRowsOfItsOwnOfTheGainsLength) {
   const policy::NetworkShape shape = Shape();
   const std::vector<float> parameters = InitialParameters(shape, -0.5, 1);
   ASSERT_EQ(parameters.size(), policy::ParameterCount(shape));
-  const policy::LayerSlice& slice = policy::ActorLayout(shape).head;
+  const policy::LayerSlice slice = policy::ActorLayout(shape).head;
   const float* head = parameters.data() + slice.weight;
   for (std::int32_t a = 0; a < shape.heads * shape.action; ++a) {
     for (std::int32_t b = a / shape.action * shape.action; b <= a; ++b) {
@@ -40,7 +40,7 @@ TEST(InitialiseTest, EachHeadHasRowsOfItsOwnOfTheGainsLength) {
 TEST(InitialiseTest, HiddenLayersHaveGainSqrtTwo) {
   const policy::NetworkShape shape = Shape();
   const std::vector<float> parameters = InitialParameters(shape, -0.5, 1);
-  const policy::LayerSlice& slice = policy::ActorLayout(shape).hidden[1];
+  const policy::LayerSlice slice = policy::ActorLayout(shape).hidden[1];
   const float* row = parameters.data() + slice.weight;
   EXPECT_NEAR(RowProduct(row, row, slice.inputs), 2, 1e-6);
   EXPECT_EQ(parameters[slice.bias], 0.0F);
