@@ -7,11 +7,11 @@ namespace metronome::policy {
 inline constexpr float kHalfLogTwoPi = 0.918938533204672742F;
 
 /// Log-density (nats) of a diagonal Gaussian over actions; every array is [size].
-inline float GaussianLogProb(const float* action, const float* mean, const float* std,
+inline float GaussianLogProb(const float* action, const float* mean, const float* inv_std,
                              const float* log_std, std::int32_t size) {
   float log_prob = 0;
   for (int i = 0; i < size; ++i) {
-    const float z = (action[i] - mean[i]) / std[i];
+    const float z = (action[i] - mean[i]) * inv_std[i];
     log_prob += -0.5F * z * z - log_std[i] - kHalfLogTwoPi;
   }
   return log_prob;

@@ -12,7 +12,7 @@ import random
 
 import simpy
 
-from measured import ACTOR_BYTES, ALL_BYTES, EPISODE_BYTES, SHARD, STEPS
+from measured import ACTOR_BYTES, ALL_BYTES, EPISODE_BYTES, GROUPS, STEPS
 
 LATENCY = 1e-4  # seconds, one way
 
@@ -50,11 +50,11 @@ class Plan:
 
 
 def minibatch_seconds(plan, costs):
-    """Shards are tasks that threads share out; then shards' sums are added in order, Adam steps."""
+    """Machines share out whole groups of samples, threads all the work of one. Then sums are exchanged."""
     size = plan.episodes * STEPS // plan.minibatches
-    tasks = 2 * math.ceil(size / SHARD)
+    share = math.ceil(GROUPS / plan.learners) / GROUPS
     work = size * costs.sample - costs.minibatch
-    seconds = costs.minibatch + work * math.ceil(tasks / (plan.threads * plan.learners)) / tasks
+    seconds = costs.minibatch + work * share / plan.threads
     if plan.learners > 1:
         # Every machine adds its part of the parameters, in the order of the groups, and hands it on:
         # sums of one group a machine cross twice, in log2 rounds each way.

@@ -1,5 +1,7 @@
 #include "learner/algorithm/episode_check.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -131,16 +133,14 @@ std::optional<std::string> CheckStep(Recomputation& of, std::int32_t t,
 }
 
 std::optional<std::string> CheckEveryStep(Recomputation& of) {
-  std::int32_t t = 0;
-  for (; t + policy::Policy::kStates <= of.episode.length(); t += policy::Policy::kStates) {
-    const auto means = of.policy.Means(of.schedule, of.ObservationAt(t), t);
-    for (int i = 0; i < policy::Policy::kStates; ++i) {
-      if (auto reason = CheckStep(of, t + i, means[i])) return reason;
+  std::array<policy::Policy::Action, policy::Policy::kMostStates> means{};
+  const std::int32_t length = of.episode.length();
+  for (std::int32_t t = 0; t < length;) {
+    const auto count = std::min(means.size(), std::size_t(length - t));
+    of.policy.Means(of.schedule, of.ObservationAt(t), t, {means.data(), count});
+    for (std::size_t i = 0; i < count; ++i, ++t) {
+      if (auto reason = CheckStep(of, t, means[i])) return reason;
     }
-  }
-  for (; t < of.episode.length(); ++t) {
-    const auto mean = of.policy.Mean(of.schedule, of.ObservationAt(t), t);
-    if (auto reason = CheckStep(of, t, mean)) return reason;
   }
   return std::nullopt;
 }

@@ -2,15 +2,27 @@
 
 #include <cmath>
 
-namespace metronome::ppo {
+#include "common/numbers/elementary.h"
 
-void ApplyAdam(const AdamStep& adam, const float* __restrict gradient, float* __restrict parameter,
-               float* __restrict m, float* __restrict v, std::size_t count) {
-  const auto t = static_cast<double>(adam.step);
-  const auto correction1 = static_cast<float>(1.0 - std::pow(double{adam.beta1}, t));
-  const auto correction2 = static_cast<float>(1.0 - std::pow(double{adam.beta2}, t));
-  const float rate = adam.learning_rate / correction1;
-  const float inv_sqrt_correction2 = 1.0F / std::sqrt(correction2);
+namespace metronome::ppo {
+namespace {
+
+float Correction(float beta, std::uint64_t step) {
+  return static_cast<float>(1.0 - numbers::Pow(double{beta}, static_cast<double>(step)));
+}
+
+}  // namespace
+
+Adam::Adam(const AdamStep& step)
+    : step_(step),
+      rate_(step.learning_rate / Correction(step.beta1, step.step)),
+      inv_sqrt_correction2_(1.0F / std::sqrt(Correction(step.beta2, step.step))) {}
+
+void Adam::Apply(const float* __restrict gradient, float* __restrict parameter, float* __restrict m,
+                 float* __restrict v, std::size_t count) const {
+  const AdamStep adam = step_;
+  const float rate = rate_;
+  const float inv_sqrt_correction2 = inv_sqrt_correction2_;
   for (std::size_t i = 0; i < count; ++i) {
     const float g = gradient[i] * adam.gradient_scale;
     m[i] = adam.beta1 * m[i] + (1.0F - adam.beta1) * g;

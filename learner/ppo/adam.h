@@ -15,8 +15,17 @@ struct AdamStep {
   float gradient_scale = 1;  // multiplies the gradient first: the clip by global norm
 };
 
-/// Updates `count` parameters in place. Elementwise, hence equal bits however a vector is cut.
-void ApplyAdam(const AdamStep& adam, const float* gradient, float* parameter, float* m, float* v,
-               std::size_t count);
+class Adam {
+ public:
+  explicit Adam(const AdamStep& step);
+
+  /// Updates `count` parameters in place. Elementwise, hence equal bits however a vector is cut.
+  void Apply(const float* gradient, float* parameter, float* m, float* v, std::size_t count) const;
+
+ private:
+  AdamStep step_;
+  float rate_;                  // bias-corrected
+  float inv_sqrt_correction2_;  // of v
+};
 
 }  // namespace metronome::ppo

@@ -4,41 +4,27 @@
 #include <array>
 #include <cmath>
 
+#include "common/numbers/elementary.h"
 #include "common/policy/gaussian.h"
 #include "learner/algorithm/algorithm.h"
 #include "learner/ppo/adam.h"
-#include "learner/ppo/gradient_reducer.h"
 #include "learner/ppo/mlp.h"
 #include "learner/ppo/ppo_loss.h"
 
 namespace metronome::ppo {
 namespace {
 
-constexpr std::size_t kSlice = 4096;  // parameters per task of Adam
-
+using policy::HeadRun;
 using ActionArray = std::array<float, kMaxActionSize>;  // the first shape.action numbers count
 
-struct Shard {
-  std::vector<HeadRun> runs;
-  std::vector<HeadRun> value_runs;  // the critic's
-};
+constexpr std::size_t kRows = policy::PackedNetwork::kRows;
 
-// One group's own memory, but for its gradient: no thread touches another's.
-struct Group {
-  explicit Group(const policy::NetworkShape& shape)
-      : actor(policy::ActorLayout(shape)), critic(policy::CriticLayout(shape)) {}
-
-  Mlp actor;
-  Mlp critic;
-  // Actor and critic run as two tasks, so each gathers its input for itself.
-  Eigen::MatrixXf actor_input;
-  Eigen::MatrixXf critic_input;
-  Eigen::MatrixXf d_mean;
-  Eigen::MatrixXf d_value;
-  double policy_loss = 0;
-  double value_loss = 0;
-  double entropy = 0;
-  std::vector<HeadSums> heads;
+// What the passes over a sample leave for the sums over all of them.
+struct SampleFigures {
+  float policy_loss = 0;
+  float log_ratio = 0;
+  float value_error = 0;
+  bool clipped = false;
 };
 
 // Stable counting sort: samples of one head lie together, so that each head is one product.
@@ -72,10 +58,28 @@ Moments AdvantageMoments(const std::vector<float>& advantage,
   return {float(mean), float(1 / (std::sqrt(variance) + 1e-8))};
 }
 
-void Gather(const Eigen::MatrixXf& source, const std::uint32_t* samples, std::size_t count,
-            Eigen::MatrixXf& target) {
-  target.resize(source.rows(), Eigen::Index(count));
-  for (std::size_t i = 0; i < count; ++i) target.col(Eigen::Index(i)) = source.col(samples[i]);
+// Of rows [first, first + count).
+std::vector<HeadRun> RunsOf(const std::vector<std::uint16_t>& heads, std::size_t first,
+                            std::size_t count) {
+  std::vector<HeadRun> runs;
+  for (std::size_t row = first; row < first + count; ++row) {
+    policy::AddRow(heads[row], row, runs);
+  }
+  return runs;
+}
+
+// The same rows by the critic's heads: one run where it has one head.
+std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs,
+                               const policy::NetworkShape& shape) {
+  std::vector<HeadRun> value_runs;
+  for (const HeadRun& run : runs) {
+    const std::int32_t head = shape.value_head(run.head);
+    if (value_runs.empty() || value_runs.back().head != head) {
+      value_runs.push_back({head, run.begin, 0});
+    }
+    value_runs.back().count += run.count;
+  }
+  return value_runs;
 }
 
 }  // namespace
@@ -83,133 +87,162 @@ void Gather(const Eigen::MatrixXf& source, const std::uint32_t* samples, std::si
 struct MinibatchStep::Impl {
   Impl(const RunConfig& config, WorkerTeam& worker_team)
       : shape(policy::ShapeOf(config)),
-        actor_layout(policy::ActorLayout(shape)),
-        parameter_count(policy::ParameterCount(shape)),
         ppo(config.ppo()),
         team(worker_team),
-        groups(MostGroups(ppo), Group(shape)),
-        reducer(groups.size(), parameter_count, team) {}
+        actor(policy::ActorLayout(shape), MostSamples(config)),
+        critic(policy::CriticLayout(shape), MostSamples(config)),
+        actor_size(actor.layout().size),
+        gradient(policy::ParameterCount(shape)),
+        input(MostSamples(config), std::size_t(shape.input())),
+        d_log_std(MostSamples(config)),
+        figures(MostSamples(config)) {}
 
-  static std::size_t ShardsOf(std::size_t samples) {
-    return (samples + kShardSamples - 1) / kShardSamples;
+  static std::size_t MostSamples(const RunConfig& config) {
+    return std::min(std::size_t(config.ppo().minibatch()),
+                    std::size_t(config.collection().episodes_per_update()) *
+                        std::size_t(config.environment().horizon()));
   }
 
-  // A last minibatch that is smaller never has more groups than a whole one has at most.
-  static std::size_t MostGroups(const PpoConfig& ppo) {
-    return std::min(ShardsOf(std::size_t(ppo.minibatch())), ShardGroups::kMostGroups);
+  void Sort(const TrainingBatch& batch, const std::vector<std::uint32_t>& samples) {
+    by_head = SortByHead(batch.head, samples, std::size_t(shape.heads));
+    heads.resize(by_head.size());
+    for (std::size_t row = 0; row < by_head.size(); ++row) heads[row] = batch.head[by_head[row]];
+    runs = RunsOf(heads, 0, heads.size());
+    value_runs = ValueRuns(runs, shape);
+    groups = {by_head.size()};
   }
 
-  void PrepareShards(const TrainingBatch& batch) {
-    shards.assign(ShardsOf(by_head.size()), {});
-    grouping = ShardGroups::Of(shards.size());
-    for (std::size_t s = 0; s < shards.size(); ++s) {
-      Shard& shard = shards[s];
-      for (std::size_t i = 0; i < ShardSize(s); ++i) {
-        const std::int32_t head = batch.head[by_head[s * kShardSamples + i]];
-        if (shard.runs.empty() || shard.runs.back().head != head) {
-          shard.runs.push_back({head, std::int32_t(i), 0});
-        }
-        ++shard.runs.back().count;
-      }
-      shard.value_runs = ValueRuns(shard.runs, shape);
+  // The input of rows [first, first + count).
+  void Gather(const TrainingBatch& batch, std::size_t first, std::size_t count) {
+    for (std::size_t row = first; row < first + count; ++row) {
+      std::copy_n(batch.input.row(by_head[row]), input.columns(), input.row(row));
     }
   }
 
-  [[nodiscard]] std::size_t ShardSize(std::size_t s) const {
-    return std::min(kShardSamples, by_head.size() - s * kShardSamples);
+  // Forward, losses and backward of both networks.
+  void PassRows(const TrainingBatch& batch, const float* parameters, std::size_t first,
+                std::size_t count) {
+    const std::vector<HeadRun> of_rows = RunsOf(heads, first, count);
+    const std::vector<HeadRun> of_values = ValueRuns(of_rows, shape);
+    Gather(batch, first, count);
+    actor.Forward(input, first, count, of_rows);
+    for (const HeadRun& run : of_rows) PolicyLosses(batch, parameters, run);
+    actor.Backward(first, count, of_rows);
+    critic.Forward(input, first, count, of_values);
+    ValueLosses(batch, first, count);
+    critic.Backward(first, count, of_values);
   }
 
-  // Forward, loss and backward of the policy over the shards of one group, in order.
-  void ActorTask(const TrainingBatch& batch, const float* parameters, float entropy_coefficient,
-                 std::size_t g) {
-    Group& group = groups[g];
-    group.policy_loss = group.entropy = 0;
-    group.heads.assign(std::size_t(shape.heads), {});
-    float* gradient = reducer.Of(g);
-    std::fill_n(gradient, actor_layout.size, 0.0F);
-    for (std::size_t s = grouping.begin(g); s < grouping.end(g); ++s) {
-      AddActorShard(batch, parameters, entropy_coefficient, s, group, gradient);
-    }
-  }
-
-  void AddActorShard(const TrainingBatch& batch, const float* parameters, float entropy_coefficient,
-                     std::size_t s, Group& group, float* gradient) const {
-    const std::vector<HeadRun>& runs = shards[s].runs;
-    const std::uint32_t* samples = by_head.data() + s * kShardSamples;
-    Gather(batch.input, samples, ShardSize(s), group.actor_input);
-    const Eigen::MatrixXf& mean = group.actor.Forward(parameters, group.actor_input, runs);
-    group.d_mean.resize(shape.action, mean.cols());
-    std::vector<ActionArray> d_log_std(runs.size());
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-      PolicyRun(batch, parameters, samples, mean, runs[r], group, d_log_std[r]);
-    }
-    group.actor.Backward(parameters, group.actor_input, runs, group.d_mean, gradient);
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-      float* gradient_of =
-          gradient + actor_layout.log_std + std::size_t(runs[r].head) * std::size_t(shape.action);
+  void PolicyLosses(const TrainingBatch& batch, const float* parameters, const HeadRun& run) {
+    const float* log_std = parameters + LogStd(run.head);
+    ActionArray inv_std{};
+    for (int i = 0; i < shape.action; ++i) inv_std[i] = 1 / numbers::Exp(log_std[i]);
+    for (std::size_t row = run.begin; row < run.end(); ++row) {
+      const std::uint32_t sample = by_head[row];
+      PolicySample of;
+      of.action = batch.action.row(sample);
+      of.proximal_log_prob = batch.proximal_log_prob[sample];
+      of.behaviour_weight = batch.behaviour_weight[sample];
+      of.advantage = (batch.advantage[sample] - advantage.mean) * advantage.inv_std;
+      const PolicyLoss loss = ComputePolicyLoss(of, actor.output().row(row), inv_std.data(),
+                                                log_std, shape.action, float(ppo.clip()));
       for (int i = 0; i < shape.action; ++i) {
-        gradient_of[i] +=
-            (d_log_std[r][i] - entropy_coefficient * float(runs[r].count)) * inv_samples;
+        actor.d_output().row(row)[i] = loss.d_mean[i] * inv_samples;
       }
+      d_log_std[row] = loss.d_log_std;
+      figures[row].policy_loss = loss.loss;
+      figures[row].log_ratio = loss.log_ratio;
+      figures[row].clipped = loss.clipped;
     }
   }
 
-  // The loss over the columns of one head: fills d_mean's columns and the head's log-std gradient.
-  void PolicyRun(const TrainingBatch& batch, const float* parameters, const std::uint32_t* samples,
-                 const Eigen::MatrixXf& mean, const HeadRun& run, Group& group,
-                 ActionArray& d_log_std) const {
-    HeadSums& sums = group.heads[std::size_t(run.head)];
-    const float* log_std =
-        parameters + actor_layout.log_std + std::size_t(run.head) * std::size_t(shape.action);
-    ActionArray std{};
-    for (int i = 0; i < shape.action; ++i) std[i] = std::exp(log_std[i]);
-    for (std::int32_t c = run.begin; c < run.begin + run.count; ++c) {
-      const std::uint32_t sample = samples[c];
-      PolicySample input;
-      input.action = batch.action.col(sample).data();
-      input.proximal_log_prob = batch.proximal_log_prob[sample];
-      input.behaviour_weight =
-          std::exp(batch.proximal_log_prob[sample] - batch.behaviour_log_prob[sample]);
-      input.advantage = (batch.advantage[sample] - advantage.mean) * advantage.inv_std;
-      const PolicyLoss loss = ComputePolicyLoss(input, mean.col(c).data(), std.data(), log_std,
-                                                shape.action, float(ppo.clip()));
-      for (int i = 0; i < shape.action; ++i) {
-        group.d_mean(i, c) = loss.d_mean[i] * inv_samples;
-        d_log_std[i] += loss.d_log_std[i];
-      }
-      group.policy_loss += loss.loss;
-      sums.kl -= loss.log_ratio;
-      sums.clipped += loss.clipped ? 1 : 0;
-    }
-    sums.samples += run.count;
-    group.entropy += double(policy::GaussianEntropy(log_std, shape.action)) * run.count;
-  }
-
-  void CriticTask(const TrainingBatch& batch, const float* parameters, std::size_t g) {
-    Group& group = groups[g];
-    group.value_loss = 0;
-    float* gradient = reducer.Of(g) + actor_layout.size;
-    std::fill_n(gradient, parameter_count - actor_layout.size, 0.0F);
-    for (std::size_t s = grouping.begin(g); s < grouping.end(g); ++s) {
-      AddCriticShard(batch, parameters + actor_layout.size, s, group, gradient);
-    }
-  }
-
-  // @param block, gradient  of the critic.
-  void AddCriticShard(const TrainingBatch& batch, const float* block, std::size_t s, Group& group,
-                      float* gradient) const {
-    const std::vector<HeadRun>& runs = shards[s].value_runs;
-    const std::uint32_t* samples = by_head.data() + s * kShardSamples;
-    Gather(batch.input, samples, ShardSize(s), group.critic_input);
-    const Eigen::MatrixXf& value = group.critic.Forward(block, group.critic_input, runs);
-    group.d_value.resize(1, value.cols());
+  void ValueLosses(const TrainingBatch& batch, std::size_t first, std::size_t count) {
     const float weight = float(ppo.value_coefficient()) * inv_samples;
-    for (Eigen::Index c = 0; c < value.cols(); ++c) {
-      const float error = value(0, c) - batch.target[samples[c]];
-      group.value_loss += 0.5 * double{error} * error;
-      group.d_value(0, c) = weight * error;
+    for (std::size_t row = first; row < first + count; ++row) {
+      const float error = critic.output().row(row)[0] - batch.target[by_head[row]];
+      figures[row].value_error = error;
+      critic.d_output().row(row)[0] = weight * error;
     }
-    group.critic.Backward(block, group.critic_input, runs, group.d_value, gradient);
+  }
+
+  // Equally many tasks for each thread, of about kRows rows.
+  void Pass(const TrainingBatch& batch, const float* parameters) {
+    const std::size_t samples = by_head.size();
+    const std::size_t rounds = (samples + kRows * team.threads() - 1) / (kRows * team.threads());
+    const std::size_t tasks = rounds * team.threads();
+    team.Run(tasks, [&](std::size_t task) {
+      const std::size_t first = task * samples / tasks;
+      const std::size_t end = (task + 1) * samples / tasks;
+      if (end > first) PassRows(batch, parameters, first, end - first);
+    });
+  }
+
+  // The gradient. @return its norm.
+  double SumGradient(const float* parameters, float entropy_coefficient, MinibatchSums& sums) {
+    const std::size_t of_actor = actor.gradient_parts();
+    const std::size_t parts = of_actor + critic.gradient_parts();
+    std::vector<double> squares(parts + 1);
+    team.Run(parts + 1, [&](std::size_t part) {
+      if (part < of_actor) {
+        squares[part] = actor.Gradient(part, input, groups, runs, gradient.data());
+      } else if (part < parts) {
+        squares[part] = critic.Gradient(part - of_actor, input, groups, value_runs,
+                                        gradient.data() + actor_size);
+      } else {
+        squares[part] = LogStdGradient(entropy_coefficient);
+        SumFigures(parameters, sums);
+      }
+    });
+    double sum = 0;
+    for (const double square : squares) sum += square;
+    return std::sqrt(sum);
+  }
+
+  // By the same rule as weights. @return the sum of its squares.
+  double LogStdGradient(float entropy_coefficient) {
+    float* of_heads = gradient.data() + actor.layout().log_std;
+    std::fill_n(of_heads, shape.heads * shape.action, 0.0F);
+    double squares = 0;
+    for (const HeadRun& run : runs) {
+      ActionArray sum = SumOverGroups(run);
+      for (int i = 0; i < shape.action; ++i) {
+        const float d = (sum[i] - entropy_coefficient * float(run.count)) * inv_samples;
+        of_heads[run.head * shape.action + i] = d;
+        squares += double{d} * d;
+      }
+    }
+    return squares;
+  }
+
+  [[nodiscard]] ActionArray SumOverGroups(const HeadRun& run) const {
+    ActionArray sum{};
+    for (std::size_t g = 0; g < SampleGroups::kGroups; ++g) {
+      const std::size_t from = std::max(run.begin, groups.begin(g));
+      const std::size_t to = std::min(run.end(), groups.end(g));
+      ActionArray chain{};
+      for (std::size_t row = from; row < to; ++row) {
+        for (int i = 0; i < shape.action; ++i) chain[i] += d_log_std[row][i];
+      }
+      for (int i = 0; i < shape.action; ++i) sum[i] += chain[i];
+    }
+    return sum;
+  }
+
+  void SumFigures(const float* parameters, MinibatchSums& sums) const {
+    sums.heads.resize(std::size_t(shape.heads));
+    for (const HeadRun& run : runs) {
+      HeadSums& head = sums.heads[std::size_t(run.head)];
+      head.samples = double(run.count);
+      for (std::size_t row = run.begin; row < run.end(); ++row) {
+        const SampleFigures& of = figures[row];
+        head.kl -= of.log_ratio;
+        head.clipped += of.clipped ? 1 : 0;
+        sums.policy_loss += of.policy_loss;
+        sums.value_loss += 0.5 * double{of.value_error} * of.value_error;
+      }
+      sums.entropy += double{policy::GaussianEntropy(parameters + LogStd(run.head), shape.action)} *
+                      double(run.count);
+    }
   }
 
   void Descend(double learning_rate, double norm, OptimiserState& state) {
@@ -218,42 +251,53 @@ struct MinibatchStep::Impl {
     adam.epsilon = float(ppo.adam_epsilon());
     adam.step = ++state.adam_steps;
     adam.gradient_scale = float(std::min(1.0, ppo.max_gradient_norm() / (norm + 1e-6)));
-    team.Run((parameter_count + kSlice - 1) / kSlice, [&](std::size_t slice) {
-      const std::size_t begin = slice * kSlice;
-      const std::size_t count = std::min(kSlice, parameter_count - begin);
-      ApplyAdam(adam, reducer.sum().data() + begin, state.parameters.data() + begin,
-                state.adam_m.data() + begin, state.adam_v.data() + begin, count);
+    const Adam step(adam);
+    const auto apply = [&](std::size_t first, std::size_t count) {
+      step.Apply(gradient.data() + first, state.parameters.data() + first,
+                 state.adam_m.data() + first, state.adam_v.data() + first, count);
+    };
+    ForEachPart([&](Mlp& network, std::size_t part, std::size_t offset) {
+      for (const ParameterRange& range : network.RangesOf(part)) {
+        apply(offset + range.first, range.count);
+      }
+      network.Pack(part, state.parameters.data() + offset);
+    });
+    apply(actor.layout().log_std, std::size_t(shape.heads) * std::size_t(shape.action));
+  }
+
+  // task(network, part of its weights, where the network begins among the parameters).
+  template <typename Task>
+  void ForEachPart(const Task& task) {
+    const std::size_t of_actor = actor.weight_parts();
+    team.Run(of_actor + critic.weight_parts(), [&](std::size_t part) {
+      if (part < of_actor) {
+        task(actor, part, 0);
+      } else {
+        task(critic, part - of_actor, actor_size);
+      }
     });
   }
 
-  MinibatchSums Collect() const {
-    MinibatchSums sums;
-    sums.heads.resize(std::size_t(shape.heads));
-    for (std::size_t g = 0; g < grouping.count(); ++g) {
-      const Group& group = groups[g];
-      sums.policy_loss += group.policy_loss;
-      sums.value_loss += group.value_loss;
-      sums.entropy += group.entropy;
-      for (std::size_t head = 0; head < sums.heads.size(); ++head) {
-        sums.heads[head].samples += group.heads[head].samples;
-        sums.heads[head].kl += group.heads[head].kl;
-        sums.heads[head].clipped += group.heads[head].clipped;
-      }
-    }
-    return sums;
+  [[nodiscard]] std::size_t LogStd(std::int32_t head) const {
+    return actor.layout().log_std + std::size_t(head) * std::size_t(shape.action);
   }
 
   policy::NetworkShape shape;
-  policy::MlpLayout actor_layout;
-  std::size_t parameter_count;
   PpoConfig ppo;
   WorkerTeam& team;
-  std::vector<Group> groups;
-  GradientReducer reducer;
-  // Of the minibatch in work.
+  Mlp actor;
+  Mlp critic;
+  std::size_t actor_size;
+  std::vector<float> gradient;
+  // Of the minibatch in work: its samples in rows.
   std::vector<std::uint32_t> by_head;
-  std::vector<Shard> shards;
-  ShardGroups grouping;
+  std::vector<std::uint16_t> heads;
+  std::vector<HeadRun> runs;
+  std::vector<HeadRun> value_runs;  // the critic's
+  SampleGroups groups;
+  kernels::Matrix input;
+  std::vector<ActionArray> d_log_std;
+  std::vector<SampleFigures> figures;
   float inv_samples = 0;
   Moments advantage;
 };
@@ -263,24 +307,23 @@ MinibatchStep::MinibatchStep(const RunConfig& config, WorkerTeam& team)
 
 MinibatchStep::~MinibatchStep() = default;
 
+void MinibatchStep::Begin(const OptimiserState& state) {
+  impl_->ForEachPart([&](Mlp& network, std::size_t part, std::size_t offset) {
+    network.Pack(part, state.parameters.data() + offset);
+  });
+}
+
 MinibatchSums MinibatchStep::Run(const TrainingBatch& batch,
                                  const std::vector<std::uint32_t>& samples,
                                  const StepSettings& settings, OptimiserState& state) {
   Impl& impl = *impl_;
-  impl.by_head = SortByHead(batch.head, samples, std::size_t(impl.shape.heads));
+  impl.Sort(batch, samples);
   impl.inv_samples = 1.0F / float(samples.size());
   impl.advantage = AdvantageMoments(batch.advantage, samples);
-  impl.PrepareShards(batch);
-  const float* parameters = state.parameters.data();
-  impl.team.Run(2 * impl.grouping.count(), [&](std::size_t task) {
-    if (task % 2 == 0) {
-      impl.ActorTask(batch, parameters, float(settings.entropy_coefficient), task / 2);
-    } else {
-      impl.CriticTask(batch, parameters, task / 2);
-    }
-  });
-  MinibatchSums sums = impl.Collect();
-  sums.gradient_norm = impl.reducer.Reduce(impl.grouping.count());
+  impl.Pass(batch, state.parameters.data());
+  MinibatchSums sums;
+  sums.gradient_norm =
+      impl.SumGradient(state.parameters.data(), float(settings.entropy_coefficient), sums);
   if (!std::isfinite(sums.gradient_norm)) {
     throw algorithm::NonFiniteUpdate("the gradient is not finite (norm " +
                                      std::to_string(sums.gradient_norm) + ")");
@@ -289,8 +332,6 @@ MinibatchSums MinibatchStep::Run(const TrainingBatch& batch,
   return sums;
 }
 
-const std::vector<float>& MinibatchStep::gradient() const { return impl_->reducer.sum(); }
-
-std::size_t MinibatchStep::gradients_held() const { return impl_->reducer.groups_held(); }
+const std::vector<float>& MinibatchStep::gradient() const { return impl_->gradient; }
 
 }  // namespace metronome::ppo

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -40,17 +39,18 @@ struct StepSettings {
 };
 
 /// One gradient step on one minibatch, on all threads of a team and with the same bits on any
-/// number of them: the minibatch, sorted by head, is cut into fixed shards of kShardSamples; whole
-/// shards make at most 64 groups (gradient_reducer.h); each group's gradient is computed alone,
-/// shard by shard in order; groups are summed in order.
+/// number of them. The samples are sorted by head; passes take a few dozen of them at a time,
+/// gradients a few thousand parameters, each summed over the samples by the rule of mlp.h.
 class MinibatchStep {
  public:
-  static constexpr std::size_t kShardSamples = 128;
-
   MinibatchStep(const RunConfig& config, WorkerTeam& team);
   ~MinibatchStep();
 
-  /// @param samples  indices into `batch`, in any order.
+  /// Takes the parameters that the first Run starts from.
+  void Begin(const OptimiserState& state);
+
+  /// @param samples  indices into `batch`, in any order, at most a minibatch.
+  /// @param state    as the Run before left it, or Begin was given it.
   /// @throws NonFiniteUpdate (learner/algorithm/algorithm.h) if the gradient is not finite;
   ///         `state` is then unchanged.
   MinibatchSums Run(const TrainingBatch& batch, const std::vector<std::uint32_t>& samples,
@@ -58,9 +58,6 @@ class MinibatchStep {
 
   /// Gradient of the last minibatch's loss, before clipping: actor, then critic.
   [[nodiscard]] const std::vector<float>& gradient() const;
-
-  /// Whole gradients in memory, one a group, beside gradient().
-  [[nodiscard]] std::size_t gradients_held() const;
 
  private:
   struct Impl;

@@ -1,115 +1,202 @@
 #include "learner/ppo/mlp.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
-#include "common/policy/activation.h"
+#include "common/kernels/product.h"
 
 namespace metronome::ppo {
 namespace {
 
-using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using ConstWeight = Eigen::Map<const RowMajor>;
-using ConstBias = Eigen::Map<const Eigen::VectorXf>;
-using Weight = Eigen::Map<RowMajor>;
+using kernels::kPanel;
+using kernels::Matrix;
 
-// Rows of a head inside the head layer.
-policy::LayerSlice HeadSlice(const policy::MlpLayout& layout, std::int32_t head) {
-  policy::LayerSlice slice = layout.head;
-  const std::int32_t first = head * layout.head_outputs;
-  slice.weight += static_cast<std::size_t>(first) * static_cast<std::size_t>(slice.inputs);
-  slice.bias += static_cast<std::size_t>(first);
-  slice.outputs = layout.head_outputs;
-  return slice;
+// Parameters of a part of the gradient: its sums stay in the first cache, and so do a group's
+// samples that they are of. Whole panels.
+constexpr std::size_t kPartOutputs = 3 * kPanel;
+constexpr std::size_t kPartInputs = 4 * kPanel;
+
+constexpr float kOne = 1;
+
+// Panels of a weight [outputs, inputs] as it is.
+Matrix BackwardPanels(const policy::LayerSlice& slice) {
+  return {kernels::PanelsOf(std::size_t(slice.inputs)), std::size_t(slice.outputs) * kPanel};
 }
 
-ConstWeight WeightOf(const float* parameters, const policy::LayerSlice& slice) {
-  return {parameters + slice.weight, slice.outputs, slice.inputs};
+// d_below = d * weight, of `count` rows.
+void MultiplyBack(const Matrix& panels, const Matrix& d, std::size_t first, std::size_t count,
+                  Matrix& d_below) {
+  kernels::Product product;
+  product.rows = count;
+  product.columns = d_below.columns();
+  product.depth = d.columns();
+  product.left = d.row(first);
+  product.left_row = d.stride();
+  product.right = panels.data();
+  product.right_panel = panels.stride();
+  product.out = d_below.row(first);
+  product.out_row = d_below.stride();
+  kernels::Multiply(product);
 }
 
-ConstBias BiasOf(const float* parameters, const policy::LayerSlice& slice) {
-  return {parameters + slice.bias, slice.outputs};
-}
-
-// Column by column, so that the order of the sum is written here and does not follow alignment.
-template <typename Columns>
-void AddColumns(const Columns& columns, float* sum) {
-  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-    for (Eigen::Index r = 0; r < columns.rows(); ++r) sum[r] += columns(r, c);
+// Sum of squares in kPanel chains, each in order, then in order of the chains.
+class SumOfSquares {
+ public:
+  void Add(const float* values, std::size_t count) {
+    std::size_t i = 0;
+    for (; i + kPanel <= count; i += kPanel) {
+      for (std::size_t c = 0; c < kPanel; ++c) AddTo(c, values[i + c]);
+    }
+    for (std::size_t c = 0; i < count; ++i, ++c) AddTo(c, values[i]);
   }
-}
+  [[nodiscard]] double total() const {
+    double sum = 0;
+    for (const double chain : chains_) sum += chain;
+    return sum;
+  }
+
+ private:
+  void AddTo(std::size_t chain, float value) { chains_[chain] += double{value} * value; }
+
+  std::array<double, kPanel> chains_{};
+};
 
 }  // namespace
 
-std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs,
-                               const policy::NetworkShape& shape) {
-  std::vector<HeadRun> value_runs;
-  for (const HeadRun& run : runs) {
-    const std::int32_t head = shape.value_head(run.head);
-    if (value_runs.empty() || value_runs.back().head != head) {
-      value_runs.push_back({head, run.begin, 0});
-    }
-    value_runs.back().count += run.count;
-  }
-  return value_runs;
-}
-
-Mlp::Mlp(policy::MlpLayout layout)
+Mlp::Mlp(policy::MlpLayout layout, std::size_t rows)
     : layout_(std::move(layout)),
-      activation_(layout_.hidden.size()),
-      d_activation_(layout_.hidden.size()) {}
-
-const Eigen::MatrixXf& Mlp::Forward(const float* parameters, const Eigen::MatrixXf& input,
-                                    const std::vector<HeadRun>& runs) {
-  const Eigen::MatrixXf* below = &input;
+      forward_(layout_),
+      rows_(layout_, rows),
+      d_output_(rows, std::size_t(layout_.head_outputs)) {
   for (std::size_t i = 0; i < layout_.hidden.size(); ++i) {
-    const policy::LayerSlice& slice = layout_.hidden[i];
-    activation_[i].resize(slice.outputs, input.cols());
-    activation_[i].colwise() = BiasOf(parameters, slice);
-    activation_[i].noalias() += WeightOf(parameters, slice) * *below;
-    policy::TanhInPlace(activation_[i]);
-    below = &activation_[i];
+    d_hidden_.emplace_back(rows, std::size_t(layout_.hidden[i].outputs));
+    backward_hidden_.push_back(i == 0 ? Matrix() : BackwardPanels(layout_.hidden[i]));
+    AddParts(layout_.hidden[i], i, 0);
   }
-  output_.resize(layout_.head_outputs, input.cols());
-  for (const HeadRun& run : runs) {
-    const policy::LayerSlice slice = HeadSlice(layout_, run.head);
-    auto columns = output_.middleCols(run.begin, run.count);
-    columns.colwise() = BiasOf(parameters, slice);
-    columns.noalias() += WeightOf(parameters, slice) * below->middleCols(run.begin, run.count);
+  for (std::int32_t head = 0; head < layout_.heads; ++head) {
+    const policy::LayerSlice slice = policy::HeadSlice(layout_, head);
+    backward_heads_.push_back(d_hidden_.empty() ? Matrix() : BackwardPanels(slice));
+    AddParts(slice, layout_.hidden.size(), std::size_t(head));
   }
-  return output_;
 }
 
-void Mlp::Backward(const float* parameters, const Eigen::MatrixXf& input,
-                   const std::vector<HeadRun>& runs, const Eigen::MatrixXf& d_output,
-                   float* gradient) {
-  const std::size_t layers = layout_.hidden.size();
-  const Eigen::MatrixXf& top = layers == 0 ? input : activation_.back();
-  Eigen::MatrixXf* d_top = layers == 0 ? nullptr : &d_activation_.back();
-  if (d_top != nullptr) d_top->resize(top.rows(), top.cols());
-  for (const HeadRun& run : runs) {
-    const policy::LayerSlice slice = HeadSlice(layout_, run.head);
-    const auto d_columns = d_output.middleCols(run.begin, run.count);
-    Weight(gradient + slice.weight, slice.outputs, slice.inputs).noalias() +=
-        d_columns * top.middleCols(run.begin, run.count).transpose();
-    AddColumns(d_columns, gradient + slice.bias);
-    if (d_top != nullptr) {
-      d_top->middleCols(run.begin, run.count).noalias() =
-          WeightOf(parameters, slice).transpose() * d_columns;
+void Mlp::AddParts(const policy::LayerSlice& slice, std::size_t layer, std::size_t head) {
+  const auto outputs = std::size_t(slice.outputs);
+  const auto inputs = std::size_t(slice.inputs);
+  Part part{slice, layer, head};
+  part.inputs = inputs;
+  for (; part.first_output < outputs; part.first_output += kPanel) {
+    part.outputs = std::min(kPanel, outputs - part.first_output);
+    weight_parts_.push_back(part);
+  }
+  for (part.first_output = 0; part.first_output < outputs; part.first_output += kPartOutputs) {
+    part.outputs = std::min(kPartOutputs, outputs - part.first_output);
+    for (part.first_input = 0; part.first_input < inputs; part.first_input += kPartInputs) {
+      part.inputs = std::min(kPartInputs, inputs - part.first_input);
+      gradient_parts_.push_back(part);
     }
   }
-  for (std::size_t i = layers; i-- > 0;) {
-    const policy::LayerSlice& slice = layout_.hidden[i];
-    Eigen::MatrixXf& d = d_activation_[i];
-    d.array() *= 1.0F - activation_[i].array().square();
-    const Eigen::MatrixXf& below = i == 0 ? input : activation_[i - 1];
-    Weight(gradient + slice.weight, slice.outputs, slice.inputs).noalias() += d * below.transpose();
-    AddColumns(d, gradient + slice.bias);
-    if (i > 0) {
-      d_activation_[i - 1].resize(below.rows(), below.cols());
-      d_activation_[i - 1].noalias() = WeightOf(parameters, slice).transpose() * d;
+}
+
+std::vector<ParameterRange> Mlp::RangesOf(std::size_t weight_part) const {
+  const Part& part = weight_parts_[weight_part];
+  return {{part.slice.weight + part.first_output * part.inputs, part.outputs * part.inputs},
+          {part.slice.bias + part.first_output, part.outputs}};
+}
+
+void Mlp::Pack(std::size_t weight_part, const float* parameters) {
+  const Part& part = weight_parts_[weight_part];
+  const float* weight = parameters + part.slice.weight;
+  policy::PackedLayer& layer =
+      IsHead(part) ? forward_.head(part.head) : forward_.hidden(part.layer);
+  layer.PackPanel(part.first_output / kPanel, weight, parameters + part.slice.bias);
+  Matrix& panels = IsHead(part) ? backward_heads_[part.head] : backward_hidden_[part.layer];
+  for (std::size_t panel = 0; panel < panels.rows(); ++panel) {
+    const std::size_t input = panel * kPanel;
+    const std::size_t count = std::min(kPanel, part.inputs - input);
+    for (std::size_t o = part.first_output; o < part.first_output + part.outputs; ++o) {
+      std::copy_n(weight + o * part.inputs + input, count, panels.row(panel) + o * kPanel);
     }
   }
+}
+
+void Mlp::Forward(const Matrix& input, std::size_t first, std::size_t count,
+                  const std::vector<policy::HeadRun>& runs) {
+  forward_.Forward(input, rows_, first, count, runs);
+}
+
+void Mlp::Backward(std::size_t first, std::size_t count, const std::vector<policy::HeadRun>& runs) {
+  if (d_hidden_.empty()) return;
+  for (const policy::HeadRun& run : runs) {
+    MultiplyBack(backward_heads_[std::size_t(run.head)], d_output_, run.begin, run.count,
+                 d_hidden_.back());
+  }
+  for (std::size_t i = d_hidden_.size(); i-- > 0;) {
+    Matrix& d = d_hidden_[i];
+    kernels::TimesTanhSlope(rows_.hidden[i].row(first), d.row(first),
+                            {count, d.columns(), d.stride()});
+    if (i > 0) MultiplyBack(backward_hidden_[i], d, first, count, d_hidden_[i - 1]);
+  }
+}
+
+double Mlp::Gradient(std::size_t gradient_part, const Matrix& input, const SampleGroups& groups,
+                     const std::vector<policy::HeadRun>& runs, float* gradient) const {
+  const Part& part = gradient_parts_[gradient_part];
+  std::size_t begin = 0;
+  std::size_t end = groups.samples;
+  if (IsHead(part)) {
+    const auto run = std::find_if(runs.begin(), runs.end(), [&](const policy::HeadRun& of) {
+      return std::size_t(of.head) == part.head;
+    });
+    begin = run == runs.end() ? 0 : run->begin;
+    end = run == runs.end() ? 0 : run->end();
+  }
+  const Matrix& d = IsHead(part) ? d_output_ : d_hidden_[part.layer];
+  const Matrix& below = part.layer == 0 ? input : rows_.hidden[part.layer - 1];
+  alignas(64) std::array<float, kPartOutputs * kPartInputs> weight{};
+  std::array<float, kPartOutputs> bias{};
+  kernels::Product of_weight;
+  of_weight.rows = part.outputs;
+  of_weight.columns = part.inputs;
+  of_weight.left_row = 1;
+  of_weight.left_step = d.stride();
+  of_weight.right_panel = kPanel;
+  of_weight.right_step = below.stride();
+  of_weight.out = weight.data();
+  of_weight.out_row = kPartInputs;
+  of_weight.add = true;
+  kernels::Product of_bias;  // 1 * d: fma(1, d, s) is d + s
+  of_bias.rows = 1;
+  of_bias.columns = part.outputs;
+  of_bias.left = &kOne;
+  of_bias.left_step = 0;
+  of_bias.right_panel = kPanel;
+  of_bias.right_step = d.stride();
+  of_bias.out = bias.data();
+  of_bias.add = true;
+  for (std::size_t g = 0; g < SampleGroups::kGroups; ++g) {
+    const std::size_t from = std::max(begin, groups.begin(g));
+    const std::size_t to = std::min(end, groups.end(g));
+    if (from >= to) continue;
+    of_weight.depth = of_bias.depth = to - from;
+    of_weight.left = of_bias.right = d.row(from) + part.first_output;
+    of_weight.right = below.row(from) + part.first_input;
+    kernels::Multiply(of_weight);
+    if (part.first_input == 0) kernels::Multiply(of_bias);
+  }
+  SumOfSquares squares;
+  for (std::size_t o = 0; o < part.outputs; ++o) {
+    const float* row = weight.data() + o * kPartInputs;
+    const std::size_t at = (part.first_output + o) * std::size_t(part.slice.inputs);
+    std::copy_n(row, part.inputs, gradient + part.slice.weight + at + part.first_input);
+    squares.Add(row, part.inputs);
+  }
+  if (part.first_input == 0) {
+    std::copy_n(bias.data(), part.outputs, gradient + part.slice.bias + part.first_output);
+    squares.Add(bias.data(), part.outputs);
+  }
+  return squares.total();
 }
 
 }  // namespace metronome::ppo

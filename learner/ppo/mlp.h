@@ -1,50 +1,96 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "common/policy/network.h"
+#include "common/kernels/matrix.h"
+#include "common/policy/packed_network.h"
 
 namespace metronome::ppo {
 
-/// Columns [begin, begin + count) of a shard that belong to one head.
-struct HeadRun {
-  std::int32_t head = 0;
-  std::int32_t begin = 0;
-  std::int32_t count = 0;
+/// How the gradients of a minibatch's n samples are summed, the rest of the rule of
+/// kernels/product.h: the samples, in their order, are dealt over kGroups groups; of each group
+/// every parameter has one chain that starts at zero, and the groups' chains are added in their
+/// order. A group's part is a gradient of its own: who computes it, where and how, changes no bit.
+struct SampleGroups {
+  static constexpr std::size_t kGroups = 32;
+
+  std::size_t samples = 0;
+
+  [[nodiscard]] std::size_t begin(std::size_t group) const { return group * samples / kGroups; }
+  [[nodiscard]] std::size_t end(std::size_t group) const { return begin(group + 1); }
 };
 
-/// The same columns by the critic's heads: one run where it has one head.
-std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs, const policy::NetworkShape& shape);
+/// Numbers [first, first + count) of a flat parameter vector.
+struct ParameterRange {
+  std::size_t first = 0;
+  std::size_t count = 0;
+};
 
-/// Forward and backward pass of one MLP with k output heads over n samples, which lie in columns.
-/// Keeps the activations between the two passes. Not thread-safe.
+/// One MLP with k output heads, forward and backward over the samples of a minibatch, which lie in
+/// rows, sorted by head. Work comes in pieces, for threads to share: rows for the passes, parts of
+/// the parameters for gradients and packing. Neither cut changes a bit.
 class Mlp {
  public:
-  explicit Mlp(policy::MlpLayout layout);
-
-  /// @param parameters  the network's block of the flat vector, layout().size floats.
-  /// @param input       [inputs, n].
-  /// @param runs        the heads of the columns: contiguous, covering all n. For Backward, a head
-  ///                    has one run at most.
-  /// @return outputs [head_outputs, n], each column by its own head; valid until the next call.
-  const Eigen::MatrixXf& Forward(const float* parameters, const Eigen::MatrixXf& input,
-                                 const std::vector<HeadRun>& runs);
-
-  /// Adds the gradient of sum(d_output .* output) of the last Forward by the parameters.
-  /// @param d_output  [head_outputs, n].
-  /// @param gradient  layout().size floats, added to (log-std is left alone).
-  void Backward(const float* parameters, const Eigen::MatrixXf& input,
-                const std::vector<HeadRun>& runs, const Eigen::MatrixXf& d_output, float* gradient);
+  /// @param rows  samples of a minibatch, at most.
+  Mlp(policy::MlpLayout layout, std::size_t rows);
 
   [[nodiscard]] const policy::MlpLayout& layout() const { return layout_; }
+  /// [rows, head_outputs], each row by its own head.
+  [[nodiscard]] const kernels::Matrix& output() const { return rows_.output; }
+  kernels::Matrix& d_output() { return d_output_; }  // of the loss by output(), to be written
+
+  /// Parts of the weights and biases. @param parameters  here and below the network's block of the
+  /// flat vector, layout().size floats.
+  [[nodiscard]] std::size_t weight_parts() const { return weight_parts_.size(); }
+  /// The parameters of a part, which no other part has.
+  [[nodiscard]] std::vector<ParameterRange> RangesOf(std::size_t weight_part) const;
+  /// Takes a part's parameters; a pass needs all parts packed.
+  void Pack(std::size_t weight_part, const float* parameters);
+
+  /// output() of rows [first, first + count) from their input [rows, inputs]. @param runs  their
+  /// heads; begin counts from row 0. Thread-safe where rows differ, as Backward is.
+  void Forward(const kernels::Matrix& input, std::size_t first, std::size_t count,
+               const std::vector<policy::HeadRun>& runs);
+  /// What gradients of these rows need from their d_output.
+  void Backward(std::size_t first, std::size_t count, const std::vector<policy::HeadRun>& runs);
+
+  /// Parts of the gradient of sum(d_output .* output) over all rows after their Backward.
+  [[nodiscard]] std::size_t gradient_parts() const { return gradient_parts_.size(); }
+  /// Writes one part. @param input, runs  of all samples; one run a head at most.
+  /// @param gradient  layout().size floats, of which the part's are written; log-std is left alone.
+  /// @return the sum of the part's squares, in a fixed order.
+  double Gradient(std::size_t gradient_part, const kernels::Matrix& input,
+                  const SampleGroups& groups, const std::vector<policy::HeadRun>& runs,
+                  float* gradient) const;
 
  private:
+  /// Some outputs of a hidden layer or of a head, and some inputs.
+  struct Part {
+    policy::LayerSlice slice;  // all of the layer, or of the head
+    std::size_t layer = 0;     // hidden.size(): a head
+    std::size_t head = 0;
+    std::size_t first_output = 0;
+    std::size_t outputs = 0;
+    std::size_t first_input = 0;
+    std::size_t inputs = 0;
+  };
+
+  void AddParts(const policy::LayerSlice& slice, std::size_t layer, std::size_t head);
+  [[nodiscard]] bool IsHead(const Part& part) const { return part.layer == layout_.hidden.size(); }
+
   policy::MlpLayout layout_;
-  std::vector<Eigen::MatrixXf> activation_;    // per hidden layer [width, n]
-  std::vector<Eigen::MatrixXf> d_activation_;  // same shapes
-  Eigen::MatrixXf output_;
+  policy::PackedNetwork forward_;
+  // Weights as they are, in panels of 16 inputs, [outputs, 16] each: of the hidden layers from the
+  // second on (the first one stays empty), and of the heads where there is a hidden layer.
+  std::vector<kernels::Matrix> backward_hidden_;
+  std::vector<kernels::Matrix> backward_heads_;
+  policy::Activations rows_;
+  std::vector<kernels::Matrix> d_hidden_;  // by the sums that enter tanh
+  kernels::Matrix d_output_;
+  std::vector<Part> weight_parts_;
+  std::vector<Part> gradient_parts_;
 };
 
 }  // namespace metronome::ppo

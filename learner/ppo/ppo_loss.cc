@@ -1,18 +1,18 @@
 #include "learner/ppo/ppo_loss.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "common/numbers/elementary.h"
 #include "common/policy/gaussian.h"
 
 namespace metronome::ppo {
 
-PolicyLoss ComputePolicyLoss(const PolicySample& sample, const float* mean, const float* std,
+PolicyLoss ComputePolicyLoss(const PolicySample& sample, const float* mean, const float* inv_std,
                              const float* log_std, std::int32_t size, float clip) {
   PolicyLoss result;
-  result.log_ratio =
-      policy::GaussianLogProb(sample.action, mean, std, log_std, size) - sample.proximal_log_prob;
-  const float ratio = std::exp(result.log_ratio);
+  result.log_ratio = policy::GaussianLogProb(sample.action, mean, inv_std, log_std, size) -
+                     sample.proximal_log_prob;
+  const float ratio = numbers::Exp(result.log_ratio);
   const float bounded = std::clamp(ratio, 1 - clip, 1 + clip);
   result.clipped = bounded != ratio;
   const float plain = ratio * sample.advantage;
@@ -22,8 +22,8 @@ PolicyLoss ComputePolicyLoss(const PolicySample& sample, const float* mean, cons
   if (plain > pessimistic) return result;
   const float d_log_prob = -sample.behaviour_weight * plain;
   for (std::int32_t i = 0; i < size; ++i) {
-    const float z = (sample.action[i] - mean[i]) / std[i];
-    result.d_mean[i] = d_log_prob * z / std[i];
+    const float z = (sample.action[i] - mean[i]) * inv_std[i];
+    result.d_mean[i] = d_log_prob * z * inv_std[i];
     result.d_log_std[i] = d_log_prob * (z * z - 1);
   }
   return result;

@@ -28,8 +28,8 @@ struct PolicyLoss {
 /// behaviour policy, clip around the proximal one. With equal policies it is PPO's clipped
 /// surrogate (Schulman et al., arXiv:1707.06347, eq. 7).
 /// @param size                of an action.
-/// @param mean, std, log_std  [size] of the sample's head under the current parameters.
-PolicyLoss ComputePolicyLoss(const PolicySample& sample, const float* mean, const float* std,
+/// @param mean, inv_std, log_std  [size] of the sample's head under the current parameters.
+PolicyLoss ComputePolicyLoss(const PolicySample& sample, const float* mean, const float* inv_std,
                              const float* log_std, std::int32_t size, float clip);
 
 }  // namespace metronome::ppo

@@ -1,6 +1,5 @@
 #include "learner/ppo/trainer.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -21,9 +20,6 @@
 
 namespace metronome::ppo {
 namespace {
-
-// Eigen picks block sizes, and with them the order of sums, from the caches that it finds.
-void FixEigenBlocking() { Eigen::setCpuCacheSizes(32 * 1024, 512 * 1024, 8 * 1024 * 1024); }
 
 // Running sums of everything that PpoReport averages.
 class ReportSums {
@@ -157,6 +153,7 @@ struct Trainer::Impl {
   // The epochs; returns how many were made.
   std::int32_t Learn(const TrainingBatch& batch, const StepSettings& settings,
                      OptimiserState& optimiser, ReportSums& sums) {
+    step.Begin(optimiser);
     const auto minibatch = std::size_t(config.ppo().minibatch());
     for (std::int32_t epoch = 0; epoch < config.ppo().epochs(); ++epoch) {
       sums.BeginEpoch();
@@ -197,7 +194,6 @@ struct Trainer::Impl {
 };
 
 Trainer::Trainer(const RunConfig& config, PpoState state, int threads) {
-  FixEigenBlocking();
   const std::size_t expected = policy::ParameterCount(policy::ShapeOf(config));
   if (state.parameters.size() != expected || state.adam_m.size() != expected ||
       state.adam_v.size() != expected) {
@@ -211,7 +207,6 @@ Trainer::Trainer(const RunConfig& config, PpoState state, int threads) {
 Trainer::~Trainer() = default;
 
 PpoState Trainer::InitialState(const RunConfig& config) {
-  FixEigenBlocking();
   PpoState state;
   state.parameters =
       InitialParameters(policy::ShapeOf(config), config.policy().initial_log_std(), config.seed());

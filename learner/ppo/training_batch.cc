@@ -1,30 +1,18 @@
 #include "learner/ppo/training_batch.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "common/numbers/elementary.h"
 #include "common/policy/gaussian.h"
 #include "common/policy/head_schedule.h"
 #include "common/policy/network_input.h"
+#include "common/policy/packed_network.h"
 #include "common/policy/task_of.h"
 #include "learner/ppo/gae.h"
 #include "learner/ppo/learning_reward.h"
-#include "learner/ppo/mlp.h"
 
 namespace metronome::ppo {
 namespace {
-
-// Columns 0..L of an episode of L steps by head, in time order; a head may come again. Column L
-// goes to the head that values the final observation.
-std::vector<HeadRun> EpisodeRuns(const policy::HeadSchedule& schedule, std::int32_t length) {
-  std::vector<HeadRun> runs;
-  for (std::int32_t t = 0; t <= length; ++t) {
-    const std::int32_t head = schedule.ValueHeadAt(t);
-    if (runs.empty() || runs.back().head != head) runs.push_back({head, t, 0});
-    ++runs.back().count;
-  }
-  return runs;
-}
 
 // The value of the time after the last step, if `value` is that of the final observation. An
 // episode that was cut short would have gone on: its end says nothing of what comes.
@@ -43,92 +31,149 @@ std::vector<std::size_t> BeginsOf(const std::vector<Episode>& episodes) {
   return begins;
 }
 
-class Builder {
- public:
-  Builder(const BatchSource& source, const std::vector<std::size_t>& begins, TrainingBatch& batch)
-      : source_(source), begins_(begins), batch_(batch), shape_(policy::ShapeOf(source.config)) {}
+using policy::HeadRun;
+using policy::PackedNetwork;
 
-  // Fills the samples of one episode; episodes are independent.
-  void Fill(std::size_t index) const {
-    const Episode& episode = source_.episodes[index];
-    const std::size_t begin = begins_[index];
-    const auto first = Eigen::Index(begin);
-    const auto length = Eigen::Index(episode.length());
-    const Eigen::MatrixXf input = Input(episode);
-    batch_.input.middleCols(first, length) = input.leftCols(length);
-    batch_.action.middleCols(first, length) =
-        Eigen::Map<const Eigen::MatrixXf>(episode.action.data(), shape_.action, length);
-    std::copy(episode.log_prob.begin(), episode.log_prob.end(),
-              batch_.behaviour_log_prob.begin() + first);
-    std::copy(episode.head.begin(), episode.head.end(), batch_.head.begin() + first);
-    const std::vector<HeadRun> runs = EpisodeRuns(
-        policy::HeadSchedule::OfTraining(source_.config, episode.number), episode.length());
-    FillAdvantages(episode, input, runs, begin);
-    FillProximal(episode, input, runs, begin);
+// Both networks at the update's start.
+struct Networks {
+  explicit Networks(const BatchSource& source)
+      : shape(policy::ShapeOf(source.config)),
+        actor(policy::ActorLayout(shape)),
+        critic(policy::CriticLayout(shape)),
+        log_std(source.parameters + actor.log_std),
+        packed_actor(actor, source.parameters),
+        packed_critic(critic, source.parameters + actor.size) {}
+
+  policy::NetworkShape shape;
+  policy::MlpLayout actor;
+  policy::MlpLayout critic;
+  const float* log_std;  // [k, A]
+  PackedNetwork packed_actor;
+  PackedNetwork packed_critic;
+};
+
+// Fills the samples of one episode, a few steps at a time; episodes are independent.
+class EpisodeBuilder {
+ public:
+  EpisodeBuilder(const BatchSource& source, const Networks& networks, std::size_t index,
+                 std::size_t begin, TrainingBatch& batch)
+      : source_(source),
+        networks_(networks),
+        episode_(source.episodes[index]),
+        task_(policy::TaskOf(source.config, episode_.number)),
+        schedule_(policy::HeadSchedule::OfTraining(source.config, episode_.number)),
+        begin_(begin),
+        batch_(batch),
+        input_(PackedNetwork::kRows, std::size_t(networks.shape.input())),
+        of_actor_(networks.actor, PackedNetwork::kRows),
+        of_critic_(networks.critic, PackedNetwork::kRows) {}
+
+  void Build() {
+    const auto at = std::ptrdiff_t(begin_);
+    std::copy(episode_.log_prob.begin(), episode_.log_prob.end(),
+              batch_.behaviour_log_prob.begin() + at);
+    std::copy(episode_.head.begin(), episode_.head.end(), batch_.head.begin() + at);
+    for (std::int32_t t = 0; t <= length(); t += std::int32_t(PackedNetwork::kRows)) {
+      BuildSteps(t, std::min(std::int32_t(PackedNetwork::kRows), length() + 1 - t));
+    }
+    BuildAdvantages();
   }
 
  private:
-  Eigen::MatrixXf Input(const Episode& episode) const {
-    Eigen::MatrixXf input(shape_.input(), Eigen::Index(episode.length()) + 1);
+  [[nodiscard]] std::int32_t length() const { return episode_.length(); }
+
+  // Of steps t .. t + count - 1, of which the last may be the final observation.
+  void BuildSteps(std::int32_t t, std::int32_t count) {
+    const auto actions = std::size_t(networks_.shape.action);
+    WriteInputs(t, count);
+    const auto rows = std::size_t(count);
+    networks_.packed_critic.Forward(input_, of_critic_, 0, rows, ValueRuns(t, rows));
+    // Without overlap the proximal policy is the behaviour policy, and the actors' own
+    // log-probabilities serve; with it, the current actor's are computed.
+    const bool lagging = source_.config.collection().overlap() > 0;
+    if (lagging) {
+      networks_.packed_actor.Forward(input_, of_actor_, 0, rows, PolicyRuns(t, rows));
+    }
+    for (std::size_t i = 0; i < rows; ++i) {
+      const std::size_t step = std::size_t(t) + i;
+      values_.push_back(of_critic_.output.row(i)[0]);
+      if (step == std::size_t(length())) return;
+      const std::size_t sample = begin_ + step;
+      std::copy_n(input_.row(i), networks_.shape.input(), batch_.input.row(sample));
+      std::copy_n(episode_.action.data() + step * actions, actions, batch_.action.row(sample));
+      batch_.proximal_log_prob[sample] =
+          lagging ? ProximalLogProb(step, of_actor_.output.row(i)) : episode_.log_prob[step];
+      batch_.behaviour_weight[sample] =
+          lagging ? numbers::Exp(batch_.proximal_log_prob[sample] - episode_.log_prob[step]) : 1;
+    }
+  }
+
+  void WriteInputs(std::int32_t t, std::int32_t count) {
+    const policy::NetworkShape& shape = networks_.shape;
     const policy::Normaliser normaliser{
         source_.behaviour.observation_mean.data(), source_.behaviour.observation_inv_std.data(),
         static_cast<float>(source_.config.policy().observation_clip())};
-    for (std::int32_t t = 0; t <= episode.length(); ++t) {
+    for (std::int32_t i = 0; i < count; ++i) {
       policy::WriteInput(
-          shape_, normaliser,
-          episode.observation.data() + std::size_t(t) * std::size_t(shape_.observation),
-          policy::TaskOf(source_.config, episode.number), t, source_.config.environment().horizon(),
-          input.col(t).data());
+          shape, normaliser,
+          episode_.observation.data() + std::size_t(t + i) * std::size_t(shape.observation), task_,
+          t + i, source_.config.environment().horizon(), input_.row(std::size_t(i)));
     }
-    return input;
   }
 
-  void FillAdvantages(const Episode& episode, const Eigen::MatrixXf& input,
-                      const std::vector<HeadRun>& runs, std::size_t begin) const {
-    Mlp critic(policy::CriticLayout(shape_));
-    const float* parameters = source_.parameters + policy::ActorLayout(shape_).size;
-    const Eigen::MatrixXf& value = critic.Forward(parameters, input, ValueRuns(runs, shape_));
-    std::vector<float> values(value.data(), value.data() + episode.length());
-    std::vector<float> rewards = LearningReward(episode, source_.config.ppo());
-    const float scale = source_.reward_scale[policy::TaskOf(source_.config, episode.number)];
-    for (float& reward : rewards) reward /= scale;
+  // The final observation's goes to the head that values it.
+  [[nodiscard]] std::vector<HeadRun> PolicyRuns(std::int32_t t, std::size_t count) const {
+    std::vector<HeadRun> runs;
+    for (std::size_t i = 0; i < count; ++i) policy::AddRow(HeadAt(t, i), i, runs);
+    return runs;
+  }
+
+  [[nodiscard]] std::vector<HeadRun> ValueRuns(std::int32_t t, std::size_t count) const {
+    std::vector<HeadRun> runs;
+    for (std::size_t i = 0; i < count; ++i) {
+      policy::AddRow(networks_.shape.value_head(HeadAt(t, i)), i, runs);
+    }
+    return runs;
+  }
+
+  [[nodiscard]] std::int32_t HeadAt(std::int32_t t, std::size_t i) const {
+    return schedule_.ValueHeadAt(t + std::int32_t(i));
+  }
+
+  [[nodiscard]] float ProximalLogProb(std::size_t step, const float* mean) const {
+    const auto actions = std::size_t(networks_.shape.action);
+    const float* log_std = networks_.log_std + std::size_t(episode_.head[step]) * actions;
+    std::array<float, kMaxActionSize> inv_std{};
+    for (std::size_t i = 0; i < actions; ++i) inv_std[i] = 1 / numbers::Exp(log_std[i]);
+    return policy::GaussianLogProb(episode_.action.data() + step * actions, mean, inv_std.data(),
+                                   log_std, networks_.shape.action);
+  }
+
+  void BuildAdvantages() {
     const PpoConfig& ppo = source_.config.ppo();
-    const float final_value = FinalValue(episode, source_.config, value(0, episode.length()));
+    const float final_value = FinalValue(episode_, source_.config, values_.back());
+    values_.pop_back();
+    std::vector<float> rewards = LearningReward(episode_, ppo);
+    for (float& reward : rewards) reward /= source_.reward_scale[task_];
     const GaeResult gae =
-        ComputeGae(rewards, values, final_value, {ppo.discount(), ppo.gae_lambda()});
-    const auto at = std::ptrdiff_t(begin);
-    std::copy(values.begin(), values.end(), batch_.value.begin() + at);
+        ComputeGae(rewards, values_, final_value, {ppo.discount(), ppo.gae_lambda()});
+    const auto at = std::ptrdiff_t(begin_);
+    std::copy(values_.begin(), values_.end(), batch_.value.begin() + at);
     std::copy(gae.advantage.begin(), gae.advantage.end(), batch_.advantage.begin() + at);
     std::copy(gae.target.begin(), gae.target.end(), batch_.target.begin() + at);
   }
 
-  // Without overlap the proximal policy is the behaviour policy, and the actors' own
-  // log-probabilities serve; with it, the current actor's are computed.
-  void FillProximal(const Episode& episode, const Eigen::MatrixXf& input,
-                    const std::vector<HeadRun>& runs, std::size_t begin) const {
-    float* proximal = batch_.proximal_log_prob.data() + begin;
-    if (source_.config.collection().overlap() == 0) {
-      std::copy(episode.log_prob.begin(), episode.log_prob.end(), proximal);
-      return;
-    }
-    Mlp actor(policy::ActorLayout(shape_));
-    const Eigen::MatrixXf& mean = actor.Forward(source_.parameters, input, runs);
-    const auto actions = std::size_t(shape_.action);
-    for (std::size_t t = 0; t < std::size_t(episode.length()); ++t) {
-      const float* log_std =
-          source_.parameters + actor.layout().log_std + std::size_t(episode.head[t]) * actions;
-      std::array<float, kMaxActionSize> std{};
-      for (std::int32_t i = 0; i < shape_.action; ++i) std[i] = std::exp(log_std[i]);
-      proximal[t] = policy::GaussianLogProb(episode.action.data() + t * actions,
-                                            mean.col(Eigen::Index(t)).data(), std.data(), log_std,
-                                            shape_.action);
-    }
-  }
-
   const BatchSource& source_;
-  const std::vector<std::size_t>& begins_;
+  const Networks& networks_;
+  const Episode& episode_;
+  std::size_t task_;
+  policy::HeadSchedule schedule_;
+  std::size_t begin_;  // its first sample
   TrainingBatch& batch_;
-  policy::NetworkShape shape_;
+  kernels::Matrix input_;  // of the steps in work, as both networks have them
+  policy::Activations of_actor_;
+  policy::Activations of_critic_;
+  std::vector<float> values_;  // [length + 1]
 };
 
 double Variance(const std::vector<double>& values) {
@@ -153,16 +198,17 @@ TrainingBatch BuildBatch(const BatchSource& source, WorkerTeam& team) {
   const std::vector<std::size_t> begins = BeginsOf(source.episodes);
   const std::size_t size = begins.back();
   TrainingBatch batch;
-  const policy::NetworkShape shape = policy::ShapeOf(source.config);
-  batch.input.resize(shape.input(), Eigen::Index(size));
-  batch.action.resize(shape.action, Eigen::Index(size));
-  for (auto* values : {&batch.behaviour_log_prob, &batch.proximal_log_prob, &batch.value,
-                       &batch.advantage, &batch.target}) {
+  const Networks networks(source);
+  batch.input.Resize(size, std::size_t(networks.shape.input()));
+  batch.action.Resize(size, std::size_t(networks.shape.action));
+  for (auto* values : {&batch.behaviour_log_prob, &batch.proximal_log_prob, &batch.behaviour_weight,
+                       &batch.value, &batch.advantage, &batch.target}) {
     values->resize(size);
   }
   batch.head.resize(size);
-  const Builder builder(source, begins, batch);
-  team.Run(source.episodes.size(), [&](std::size_t index) { builder.Fill(index); });
+  team.Run(source.episodes.size(), [&](std::size_t index) {
+    EpisodeBuilder(source, networks, index, begins[index], batch).Build();
+  });
   batch.explained_variance = ExplainedVariance(batch.target, batch.value);
   return batch;
 }

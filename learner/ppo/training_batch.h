@@ -1,9 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
+#include "common/kernels/matrix.h"
 #include "common/messages/episode.h"
 #include "common/messages/messages.h"
 #include "common/policy/network.h"
@@ -15,10 +15,11 @@ namespace metronome::ppo {
 /// The N samples of one update, all steps of its E episodes, in episode and time order, ready for
 /// the epochs.
 struct TrainingBatch {
-  Eigen::MatrixXf input;                  // [network inputs, N], normalised
-  Eigen::MatrixXf action;                 // [A, N]
+  kernels::Matrix input;                  // [N, network inputs], normalised
+  kernels::Matrix action;                 // [N, A]
   std::vector<float> behaviour_log_prob;  // [N], as the actors said (and the check confirmed)
   std::vector<float> proximal_log_prob;   // [N], under the parameters at the update's start
+  std::vector<float> behaviour_weight;    // [N], proximal over behaviour probability
   std::vector<float> value;               // [N], by the critic at the update's start
   std::vector<float> advantage;           // [N]
   std::vector<float> target;              // [N]

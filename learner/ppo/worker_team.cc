@@ -93,6 +93,8 @@ WorkerTeam::~WorkerTeam() {
   for (std::thread& worker : impl_->workers) worker.join();
 }
 
+std::size_t WorkerTeam::threads() const { return impl_->workers.size() + 1; }
+
 void WorkerTeam::Run(std::size_t count, const std::function<void(std::size_t)>& task) {
   impl_->task = &task;
   impl_->count = count;

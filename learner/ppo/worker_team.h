@@ -17,6 +17,8 @@ class WorkerTeam {
   WorkerTeam(const WorkerTeam&) = delete;
   WorkerTeam& operator=(const WorkerTeam&) = delete;
 
+  [[nodiscard]] std::size_t threads() const;
+
   /// Runs task(0) .. task(count - 1) and returns when all are done. One call at a time. Tasks must
   /// not throw.
   void Run(std::size_t count, const std::function<void(std::size_t)>& task);

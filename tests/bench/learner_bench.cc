@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/kernels/isa_option.h"
 #include "common/numbers/random.h"
 #include "common/policy/action_noise.h"
 #include "common/policy/head_schedule.h"
@@ -122,6 +123,7 @@ void MakeEpochs(const RunConfig& config, const ppo::TrainingBatch& batch,
                 const ppo::PpoState& state, ppo::WorkerTeam& team) {
   ppo::MinibatchStep step(config, team);
   ppo::OptimiserState optimiser{state.parameters, state.adam_m, state.adam_v, 0};
+  step.Begin(optimiser);
   const auto minibatch = std::size_t(config.ppo().minibatch());
   for (std::int32_t epoch = 0; epoch < config.ppo().epochs(); ++epoch) {
     const std::vector<std::uint32_t> permutation = numbers::Permutation(
@@ -176,6 +178,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", options.threads)->capture_default_str();
   app.add_option("--heads", options.heads)->capture_default_str();
   app.add_option("--repeats", options.repeats)->capture_default_str();
+  metronome::kernels::AddIsaOption(app);
   CLI11_PARSE(app, argc, argv);
   metronome::Run(options);
   return 0;

@@ -16,6 +16,7 @@ sys.path.insert(0, str(ROOT / "deploy" / "launcher"))
 import children  # noqa: E402  (the launcher's own: no child outlives us)
 
 BUILD = Path(os.environ.get("METRONOME_BUILD", ROOT / "build"))
+ENGINE = "3.3.0" if BUILD.name.endswith("3.3.0") else "2.2.2"
 LEARNER = str(BUILD / "bin" / "metronome-learner")
 ACTOR = str(BUILD / "bin" / "metronome-actor")
 # Generous: it is only ever waited for in full when something is broken.

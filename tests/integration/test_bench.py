@@ -3,9 +3,8 @@
 import csv
 import subprocess
 
-from harness import BUILD, ROOT
+from harness import ENGINE, ROOT
 
-ENGINE = "3.3.0" if "3.3.0" in BUILD.name else "2.2.2"
 
 
 def test_the_benchmarks_that_need_no_peers_run_and_keep_their_figures(tmp_path):

@@ -14,13 +14,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from harness import ACTOR, BUILD, DEADLINE, LEARNER, ROOT
+from harness import ACTOR, BUILD, DEADLINE, ENGINE, LEARNER, ROOT
 
 sys.path.insert(0, str(ROOT / "deploy" / "experimenter"))
 from cell_files import CellFiles  # noqa: E402
 
 EXPERIMENT = str(ROOT / "deploy" / "experiment")
-ENGINE = "3.3.0" if BUILD.name.endswith("3.3.0") else "2.2.2"
 FILE = """
 name = "small"
 mujoco = "{engine}"

@@ -89,13 +89,16 @@ TEST_P(PolicyTest, SeveralStepsTogetherGiveTheBitsOfEachAlone) {
   const HeadSchedule schedule = ScheduleOfSix(config);
   Policy policy(config, RandomSnapshot(config));
   numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 4, 5, 7);
-  std::vector<float> observations(Policy::kStates * test::kObservationSize);
-  for (int t = 0; t + Policy::kStates <= config.environment().horizon(); ++t) {
-    for (float& value : observations) value = float(3 * random.Normal());
-    const auto means = policy.Means(schedule, observations.data(), t);
-    for (int i = 0; i < Policy::kStates; ++i) {
-      EXPECT_EQ(means[i],
-                policy.Mean(schedule, observations.data() + i * test::kObservationSize, t + i));
+  for (int count = 1; count <= int(Policy::kMostStates); ++count) {
+    std::vector<float> observations(std::size_t(count) * test::kObservationSize);
+    std::vector<Policy::Action> means{std::size_t(count)};
+    for (int t = 0; t + count <= config.environment().horizon(); t += 7) {
+      for (float& value : observations) value = float(3 * random.Normal());
+      policy.Means(schedule, observations.data(), t, means);
+      for (int i = 0; i < count; ++i) {
+        EXPECT_EQ(means[std::size_t(i)],
+                  policy.Mean(schedule, observations.data() + i * test::kObservationSize, t + i));
+      }
     }
   }
 }
@@ -210,9 +213,10 @@ TEST(SnapshotDefectTest, NamesWhatNoActorCanActWith) {
 TEST(PolicyTest, RefusesAScheduleOfAnotherNumberOfHeads) {
   Policy policy(SmallConfig(), RandomSnapshot(SmallConfig()));
   const HeadSchedule four = ScheduleOfSix(SmallConfig(MULTIHEAD, 4));
-  const std::vector<float> observation(Policy::kStates * test::kObservationSize, 0.4F);
+  const std::vector<float> observation(test::kObservationSize, 0.4F);
+  Policy::Action mean{};
   EXPECT_THROW((void)policy.Mean(four, observation.data(), 0), std::invalid_argument);
-  EXPECT_THROW((void)policy.Means(four, observation.data(), 0), std::invalid_argument);
+  EXPECT_THROW(policy.Means(four, observation.data(), 0, {&mean, 1}), std::invalid_argument);
   EXPECT_THROW((void)policy.ActAround(four, {}, 0, {}), std::invalid_argument);
 }
 

@@ -24,7 +24,7 @@ TEST(AdamTest, FollowsThePapersAlgorithmOverManySteps) {
     adam.epsilon = 1e-5F;
     adam.step = step;
     adam.gradient_scale = 0.5F;
-    ApplyAdam(adam, gradient.data(), parameter.data(), m.data(), v.data(), 3);
+    Adam(adam).Apply(gradient.data(), parameter.data(), m.data(), v.data(), 3);
     for (int i = 0; i < 3; ++i) {
       const double g = 0.5 * gradient[i];
       want_m[i] = 0.9 * want_m[i] + 0.1 * g;
@@ -44,12 +44,12 @@ TEST(AdamTest, CuttingTheVectorChangesNoBit) {
   std::vector<float> whole(n, 1.0F);
   std::vector<float> parts(n, 1.0F);
   std::vector<float> m1(n, 0.1F), v1(n, 0.2F), m2 = m1, v2 = v1;
-  const AdamStep adam{.learning_rate = 1e-3F, .step = 3};
-  ApplyAdam(adam, gradient.data(), whole.data(), m1.data(), v1.data(), n);
+  const Adam adam({.learning_rate = 1e-3F, .step = 3});
+  adam.Apply(gradient.data(), whole.data(), m1.data(), v1.data(), n);
   for (std::size_t begin = 0; begin < n;) {
     const std::size_t count = std::min<std::size_t>(begin % 7 + 1, n - begin);
-    ApplyAdam(adam, gradient.data() + begin, parts.data() + begin, m2.data() + begin,
-              v2.data() + begin, count);
+    adam.Apply(gradient.data() + begin, parts.data() + begin, m2.data() + begin, v2.data() + begin,
+               count);
     begin += count;
   }
   EXPECT_EQ(whole, parts);

@@ -163,9 +163,13 @@ TEST_F(HandMadeBatchTest, EachSampleIsItsStep) {
   Add(2, kStepTruncated);
   const TrainingBatch batch = Build();
   EXPECT_EQ(batch.head, (std::vector<std::uint16_t>{0, 0, 0, 1, 0, 0}));
-  const std::vector<float> actions(batch.action.data(), batch.action.data() + batch.action.size());
+  std::vector<float> actions;
+  std::vector<float> input;
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    actions.push_back(batch.action.row(i)[0]);
+    input.insert(input.end(), batch.input.row(i), batch.input.row(i) + batch.input.columns());
+  }
   EXPECT_EQ(actions, (std::vector<float>{0, 10, 11, 12, 20, 21}));
-  const std::vector<float> input(batch.input.data(), batch.input.data() + batch.input.size());
   EXPECT_EQ(input, (std::vector<float>{0, 0, 1, 0, 1, 1, 1, 2, 2, 0, 2, 1}));
 }
 

@@ -36,14 +36,13 @@ double Loss(const RunConfig& config, const TrainingBatch& batch,
   const double deviation = std::sqrt(variance / double(samples.size() - 1));
   double loss = 0;
   for (const auto s : samples) {
-    std::vector<double> x(batch.input.col(s).data(),
-                          batch.input.col(s).data() + batch.input.rows());
+    std::vector<double> x(batch.input.row(s), batch.input.row(s) + batch.input.columns());
     const auto mu = Forward(of_actor, actor, x, batch.head[s]);
     double log_prob = 0;
     double entropy = 0;
     for (int i = 0; i < 4; ++i) {
       const double log_std = of_actor[actor.log_std + batch.head[s] * 4 + i];
-      const double z = (batch.action(i, s) - mu[i]) / std::exp(log_std);
+      const double z = (batch.action.row(s)[i] - mu[i]) / std::exp(log_std);
       log_prob += -0.5 * z * z - log_std - 0.5 * std::log(2 * M_PI);
       entropy += log_std + 0.5 * std::log(2 * M_PI * std::exp(1.0));
     }
@@ -78,7 +77,11 @@ Prepared Prepare(const RunConfig& config, WorkerTeam& team) {
       std::vector<std::uint32_t>(150)};
   numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 8, 8, 8);
   for (float& parameter : prepared.state.parameters) parameter += 0.02F * float(random.Normal());
-  for (float& value : prepared.batch.behaviour_log_prob) value += 0.1F * float(random.Normal());
+  for (std::size_t s = 0; s < prepared.batch.size(); ++s) {
+    float& behaviour = prepared.batch.behaviour_log_prob[s];
+    behaviour += 0.1F * float(random.Normal());
+    prepared.batch.behaviour_weight[s] = std::exp(prepared.batch.proximal_log_prob[s] - behaviour);
+  }
   std::iota(prepared.samples.begin(), prepared.samples.end(), 100U);
   return prepared;
 }
@@ -99,6 +102,7 @@ TEST_P(GradientTest, AgreesWithFiniteDifferencesOfAnIndependentLoss) {
   Prepared prepared = Prepare(config, team);
   const std::vector<double> at(prepared.state.parameters.begin(), prepared.state.parameters.end());
   MinibatchStep step(config, team);
+  step.Begin(prepared.state);
   const double entropy_coefficient = 0.03;
   const MinibatchSums sums =
       step.Run(prepared.batch, prepared.samples, {1e-3, entropy_coefficient}, prepared.state);
@@ -137,6 +141,7 @@ TEST(MinibatchStepTest, TheReportedLossesAddUpToTheIndependentLoss) {
   Prepared prepared = Prepare(config, team);
   const std::vector<double> at(prepared.state.parameters.begin(), prepared.state.parameters.end());
   MinibatchStep step(config, team);
+  step.Begin(prepared.state);
   const MinibatchSums sums =
       step.Run(prepared.batch, prepared.samples, {1e-3, 0.03}, prepared.state);
   const double n = double(prepared.samples.size());
@@ -151,6 +156,7 @@ TEST(MinibatchStepTest, AStepIsAdamOnTheClippedGradient) {
   Prepared prepared = Prepare(config, team);
   const std::vector<float> before = prepared.state.parameters;
   MinibatchStep step(config, team);
+  step.Begin(prepared.state);
   const MinibatchSums sums = step.Run(prepared.batch, prepared.samples, {1e-3, 0}, prepared.state);
   ASSERT_GT(sums.gradient_norm, 0.02);
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -168,6 +174,7 @@ TEST(MinibatchStepTest, ANonFiniteSampleIsNamedAndLeavesTheStateAlone) {
   prepared.batch.target[prepared.samples[3]] = std::numeric_limits<float>::quiet_NaN();
   const std::vector<float> before = prepared.state.parameters;
   MinibatchStep step(config, team);
+  step.Begin(prepared.state);
   EXPECT_THROW(step.Run(prepared.batch, prepared.samples, {1e-3, 0}, prepared.state),
                algorithm::NonFiniteUpdate);
   EXPECT_EQ(prepared.state.parameters, before);

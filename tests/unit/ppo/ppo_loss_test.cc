@@ -31,19 +31,19 @@ double Loss(const Case& c, const Four& mean, const Four& log_std) {
 }
 
 PolicyLoss Ours(const Case& c) {
-  std::array<float, 4> action{}, mean{}, log_std{}, std_dev{};
+  std::array<float, 4> action{}, mean{}, log_std{}, inv_std{};
   for (int i = 0; i < 4; ++i) {
     action[i] = float(c.action[i]);
     mean[i] = float(c.mean[i]);
     log_std[i] = float(c.log_std[i]);
-    std_dev[i] = std::exp(log_std[i]);
+    inv_std[i] = 1 / std::exp(log_std[i]);
   }
   PolicySample sample;
   sample.action = action.data();
   sample.proximal_log_prob = float(c.proximal);
   sample.behaviour_weight = float(c.weight);
   sample.advantage = float(c.advantage);
-  return ComputePolicyLoss(sample, mean.data(), std_dev.data(), log_std.data(), 4, float(c.clip));
+  return ComputePolicyLoss(sample, mean.data(), inv_std.data(), log_std.data(), 4, float(c.clip));
 }
 
 Case Base(double proximal, double advantage, double weight) {

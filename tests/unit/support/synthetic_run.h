@@ -28,7 +28,7 @@ inline RunConfig SmallConfig(Method method = MULTIHEAD, int heads = 3, int overl
   config.mutable_policy()->add_hidden(9);
   config.mutable_ppo()->set_learning_rate(5e-4);
   config.mutable_ppo()->set_epochs(3);
-  config.mutable_ppo()->set_minibatch(150);  // two shards, and a smaller last minibatch
+  config.mutable_ppo()->set_minibatch(150);  // and a smaller last one
   config.mutable_ppo()->set_kl_stop(0);
   config.mutable_collection()->set_episodes_per_update(10);
   config.mutable_collection()->set_overlap(overlap);
