@@ -21,6 +21,7 @@
 #include "actor/render/contact_sheet.h"
 #include "actor/replay/task_list.h"
 #include "common/dds/dds_bus.h"
+#include "common/kernels/isa.h"
 #include "common/process/build_info.h"
 #include "common/process/cpu_count.h"
 #include "common/process/cpu_times.h"
@@ -33,6 +34,9 @@
 
 namespace metronome::actor {
 namespace {
+
+/// What of this process may matter to those that look at its results.
+std::string Identity() { return process::BuildIdentity() + ", " + kernels::CurrentIsaText(); }
 
 client::ActorClientOptions ClientOptions(const JoinOptions& options) {
   client::ActorClientOptions client;
@@ -49,7 +53,7 @@ client::ActorClientOptions ClientOptions(const JoinOptions& options) {
   client.host = process::HostName();
   client.pid = static_cast<std::uint32_t>(getpid());
   client.engine = process::EngineName();
-  client.build = process::BuildIdentity();
+  client.build = Identity();
   return client;
 }
 
@@ -105,6 +109,7 @@ void RequireMachine(const environment::EnvironmentRegistry& registry) {
 
 int Execute(const JoinOptions& options, const environment::EnvironmentRegistry& registry) {
   process::SetUpLogging("actor", options.log);
+  spdlog::info("{}, {}", Identity(), process::EngineName());
   process::IgnoreLostReaders();
   try {
     RequireMachine(registry);

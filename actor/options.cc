@@ -7,6 +7,7 @@
 
 #include "common/config/config.h"
 #include "common/dds/security/security.h"
+#include "common/kernels/isa_option.h"
 #include "common/process/build_info.h"
 #include "common/process/logging.h"
 #include "common/text/cli_number.h"
@@ -102,6 +103,7 @@ void AddRun(CLI::App& app, Typed& typed) {
   run->add_option("--envs", typed.run.envs, "Episodes at once, a thread each, 1 to 1024")
       ->transform(text::Number<int>(1, 1024))
       ->capture_default_str();
+  kernels::AddIsaOption(*run);
   run->add_option("--network", typed.run.network,
                   "loopback: this machine alone; lan: all interfaces, found by multicast; or peers "
                   "to be found by unicast: HOST[:PORT],...; with tcp the learner's HOST[:PORT]")
@@ -243,9 +245,10 @@ void AddEvaluate(CLI::App& app, const TaskOption& task, Typed& typed) {
   evaluate->add_option("--threads", options.threads, "Episodes at once; 0: as many as cores")
       ->transform(text::Number<std::int32_t>(0, 1024))
       ->capture_default_str();
+  kernels::AddIsaOption(*evaluate);
   evaluate->add_flag("--json", options.json, "Print one JSON object");
   evaluate->footer(
-      "Each difference from training (task, placements, who acts when, engine, build) is a "
+      "Each difference from training (task, placements, who acts when, engine, libraries) is a "
       "warning, and in JSON the list `differences`.\n"
       "Exit status: 0; 1 where checkpoint or scenes cannot be used, 2 bad options, 128 + N stopped "
       "by signal N.");
@@ -267,6 +270,7 @@ void AddRender(CLI::App& app, const TaskOption& task, Typed& typed) {
   render->add_option("--task", options.task, task.Help() + " [the checkpoint's]")
       ->check(task.Check());
   AddPlacementsOf(*render, options.seed, options.placements);
+  kernels::AddIsaOption(*render);
   render->add_option("--episode", options.episode, "Which of evaluate's episodes, from 0")
       ->transform(text::Number<std::uint64_t>())
       ->capture_default_str();

@@ -6,7 +6,7 @@ if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
 endif()
 
-set(METRONOME_MARCH "x86-64-v3" CACHE STRING "-march of every source: part of the bit-equality promise")
+set(METRONOME_MARCH "x86-64-v3" CACHE STRING "-march of every source: which processors can run it, not what it computes")
 set(METRONOME_SANITIZE "" CACHE STRING "With Clang: address (and undefined behaviour, and fuzzers), or thread")
 
 # No contraction into FMA beyond what is written, so that inlining cannot change a bit.

@@ -9,6 +9,7 @@
 
 #include "common/checkpoint/checkpoint.h"
 #include "common/config/config.h"
+#include "common/kernels/isa_option.h"
 #include "common/process/build_info.h"
 #include "common/process/files.h"
 #include "common/process/logging.h"
@@ -321,6 +322,7 @@ std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* cons
 
   CLI::App* run_command = app.add_subcommand("run", "Start a run, or go on with one (--resume)");
   AddRunOptions(*run_command, run);
+  kernels::AddIsaOption(*run_command);
   AddConfigOptions(*run_command, arguments);
   CLI::App* inspect_command = app.add_subcommand("inspect", "Show what a checkpoint holds");
   inspect_command->add_option("CHECKPOINT", inspect.checkpoint, "The file")->type_name("");

@@ -13,6 +13,7 @@
 #include "common/dds/dds_bus.h"
 #include "common/dds/machine.h"
 #include "common/dds/security/security.h"
+#include "common/kernels/isa.h"
 #include "common/process/build_info.h"
 #include "common/process/cpu_count.h"
 #include "common/process/cpu_times.h"
@@ -33,6 +34,9 @@
 
 namespace metronome::learner {
 namespace {
+
+/// What of this process may matter to those that look at its results.
+std::string Identity() { return process::BuildIdentity() + ", " + kernels::CurrentIsaText(); }
 
 std::string HostAndProcess() {
   return "on " + process::HostName() + ", process " + std::to_string(getpid());
@@ -110,7 +114,7 @@ run::CoordinatorSetup SetupOf(const RunOptions& options, const run::RunStart& st
   setup.description.incarnation = start.checkpoint.incarnation;
   setup.description.run_name = options.run;
   setup.description.engine = process::EngineName();
-  setup.description.build = process::BuildIdentity() + ", " + HostAndProcess();
+  setup.description.build = Identity() + ", " + HostAndProcess();
   setup.description.config = config.SerializeAsString();
   setup.rules.episodes_per_update =
       static_cast<std::uint64_t>(config.collection().episodes_per_update());
@@ -187,6 +191,7 @@ int Serve(const RunOptions& options, const algorithm::Algorithms& algorithms,
       run::AlgorithmOf(start, factory, {ThreadsOf(options.config), process::RandomId()});
   start.checkpoint.incarnation = folder.NextIncarnation(start.checkpoint.incarnation);
   start.checkpoint.build = process::BuildIdentity();
+  start.checkpoint.isa = kernels::NameOf(kernels::CurrentIsa());
   run::CoordinatorSetup setup = SetupOf(options, start);
   setup.excluded = ExcludedHostsOf(options.folder);
   if (metrics) {
@@ -213,6 +218,7 @@ int Serve(const RunOptions& options, const algorithm::Algorithms& algorithms,
 
 int ServeRun(const RunOptions& options, const algorithm::Algorithms& algorithms) {
   process::SetUpLogging("learner", options.log);
+  spdlog::info("{}, {}", Identity(), process::EngineName());
   for (const std::string& warning : options.warnings) spdlog::warn("{}", warning);
   process::IgnoreLostReaders();
   process::StopTarget target;

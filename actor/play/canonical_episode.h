@@ -13,9 +13,9 @@ namespace metronome::play {
 ///   (observations and rewards as float32), and the C library's elementary functions, which engines
 ///   call. Checkpoints of older builds hold it alone: it must not change while the bits do not;
 /// - of the policy: decisions of a network of the task's sizes and fixed pseudo-random weights,
-///   whose sums and tanh are Eigen's.
-/// A pure function of the task, the engine, the build and the processor. About 0.1 s a task, and
-/// the scenes' loading time.
+///   whose sums and tanh are those of common/kernels/, by whatever instructions.
+/// A pure function of the task, the engine, SLEEF and the C library, whose variant depends on
+/// whether the processor has FMA. About 0.1 s a task, and the scenes' loading time.
 /// @throws as EnvironmentRegistry::Make.
 std::string CanonicalDigest(const environment::EnvironmentRegistry& registry,
                             const std::string& task);

@@ -1,9 +1,7 @@
 #include "actor/play/training_differences.h"
 
-#include <algorithm>
-#include <map>
 #include <numeric>
-#include <string_view>
+#include <utility>
 
 #include "common/config/config_fields.h"
 #include "common/process/build_info.h"
@@ -87,35 +85,25 @@ void AddHeadOrder(const RunConfig& trained, const std::vector<std::uint32_t>& or
                       ", evaluated with heads in the order " + text::JoinNames(words));
 }
 
-/// The parts of a BuildIdentity by what they are of, "glibc" to "glibc 2.36" say; compilers are of
-/// "gcc", flags of "-".
-std::map<std::string, std::string> PartsOf(std::string_view identity) {
-  std::map<std::string, std::string> parts;
-  while (!identity.empty()) {
-    const std::string_view part = identity.substr(0, identity.find(", "));
-    std::string_view of = part.substr(0, part.starts_with('-') ? 1 : part.find(' '));
-    if (of == "clang") of = "gcc";
-    parts[std::string(of)] = part;
-    identity.remove_prefix(std::min(identity.size(), part.size() + 2));
-  }
-  return parts;
+/// "glibc 2.36" of a BuildIdentity, say; empty: it does not name that part.
+std::string PartOf(const std::string& identity, const std::string& name) {
+  const std::size_t at = identity.find(", " + name + ' ');
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + 2;
+  return identity.substr(begin, identity.find(", ", begin) - begin);
 }
 
-/// Builds did not always name all of their parts: those that both name are compared. Not versions
-/// of this project: CHANGELOG.md names the few that change a bit.
-void AddBuild(const std::string& trained, const std::string& used, Sentences& sentences) {
-  std::vector<std::string> before;
-  std::vector<std::string> now;
-  const auto parts = PartsOf(used);
-  for (const auto& [of, part] : PartsOf(trained)) {
-    const auto other = parts.find(of);
-    if (of == "metronome" || other == parts.end() || other->second == part) continue;
-    before.push_back(part);
-    now.push_back(other->second);
+/// Of libraries that can change a bit, where both builds name theirs: not all always did. Not
+/// versions of this project: CHANGELOG.md names the few that change one.
+void AddLibraries(const std::string& trained, const std::string& used, Sentences& sentences) {
+  for (const char* library : {"sleef", "glibc"}) {
+    const std::string before = PartOf(trained, library);
+    const std::string now = PartOf(used, library);
+    if (before.empty() || now.empty() || before == now) continue;
+    std::string sentence = "trained with ";
+    sentence.append(before).append(", evaluated with ").append(now);
+    sentences.push_back(std::move(sentence));
   }
-  if (before.empty()) return;
-  sentences.push_back("trained by a build of " + text::JoinNames(before) +
-                      ", evaluated by one of " + text::JoinNames(now));
 }
 
 }  // namespace
@@ -132,7 +120,7 @@ std::vector<std::string> DifferencesFromTraining(const checkpoint::Checkpoint& c
     sentences.push_back("trained on " + checkpoint.engine + ", evaluated on " +
                         process::EngineName());
   }
-  AddBuild(checkpoint.build, process::BuildIdentity(), sentences);
+  AddLibraries(checkpoint.build, process::BuildIdentity(), sentences);
   return sentences;
 }
 

@@ -11,9 +11,9 @@ namespace metronome::play {
 
 /// Every way in which an evaluation's episodes are played otherwise than the checkpoint's training
 /// episodes, one sentence each, with the option that plays them alike where there is one: the
-/// environment's configuration, the placements' seed, who acts when, engine and build. Not named:
-/// the mean action, and that random placements and permutations of shuffled heads are new ones;
-/// that is what an evaluation is for.
+/// environment's configuration, the placements' seed, who acts when, engine and libraries. Not
+/// named: the mean action, and that random placements and permutations of shuffled heads are new
+/// ones; that is what an evaluation is for.
 /// @param played  configuration of the evaluation, see ConfigToEvaluate.
 std::vector<std::string> DifferencesFromTraining(const checkpoint::Checkpoint& checkpoint,
                                                  const EvaluateOptions& options,

@@ -18,6 +18,7 @@ static_assert(std::endian::native == std::endian::little, "the frame is copied a
 
 constexpr std::string_view kMagic = "METRCKPT";
 constexpr std::uint32_t kLastFormatOfPpoAlone = 5;
+constexpr std::uint32_t kLastFormatOfOtherNumbers = 6;
 constexpr std::size_t kVersionAt = 8, kLengthAt = 12, kDigestAt = 20, kPayloadAt = 52;
 
 void ToPayload(const TrainState& state, CheckpointPayload& payload) {
@@ -61,6 +62,7 @@ std::string SerialisePayload(const Checkpoint& checkpoint) {
   ToPayload(checkpoint.state, payload);
   payload.set_engine(checkpoint.engine);
   payload.set_build(checkpoint.build);
+  payload.set_isa(checkpoint.isa);
   payload.set_incarnation(checkpoint.incarnation);
   payload.set_progress_bytes(checkpoint.logs.progress_bytes);
   payload.set_events_bytes(checkpoint.logs.events_bytes);
@@ -149,7 +151,6 @@ TrainState StateOfOldFormat(const std::string& bytes, const RunConfig& config,
   state.version = old.version();
   state.steps = old.steps();
   state.episodes_used = old.episodes_used();
-  state.canonical_digest = old.canonical_digest();
   state.policy = policy::MakeSnapshot(state.version, parameters.data(), {observation}, config);
   state.weights = {parameters.size(), process::WeightsSha256(parameters)};
   state.algorithm = {"ppo", 1, bytes};
@@ -214,9 +215,12 @@ Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name,
   checkpoint.state = format <= kLastFormatOfPpoAlone
                          ? StateOfOldFormat(payload.state_of_format_5(), checkpoint.config, name)
                          : StateOf(payload);
+  // No actor of this build could bring it again.
+  if (format <= kLastFormatOfOtherNumbers) checkpoint.state.canonical_digest.clear();
   RequireFit(checkpoint.state.policy, checkpoint.config, name);
   checkpoint.engine = payload.engine();
   checkpoint.build = payload.build();
+  checkpoint.isa = payload.isa();
   checkpoint.incarnation = payload.incarnation();
   checkpoint.logs = {payload.progress_bytes(), payload.events_bytes(), payload.wall_seconds()};
   checkpoint.initial_weights_sha256 = payload.initial_weights_sha256();

@@ -26,7 +26,9 @@ namespace metronome::checkpoint {
 /// 6: and describes the environment (before: a Meta-World task, described by who knows its name);
 ///    the policy by itself, and the algorithm's state as bytes of a format of its own (before:
 ///    PPO's state alone, in the open).
-inline constexpr std::uint32_t kCheckpointFormat = 6;
+/// 7: and is of a build whose numbers are those of common/kernels/ and common/numbers/elementary.h
+///    (before: Eigen's and the C library's; the canonical digest of such a run is not read).
+inline constexpr std::uint32_t kCheckpointFormat = 7;
 /// The oldest format that is read; the newest is kCheckpointFormat.
 inline constexpr std::uint32_t kOldestCheckpointFormat = 1;
 
@@ -44,6 +46,7 @@ struct Checkpoint {
   TrainState state;
   std::string engine;             // EngineName() of the learner that wrote it
   std::string build;              // its BuildIdentity()
+  std::string isa;                // its instruction set, see common/kernels/; empty: not noted
   std::uint64_t incarnation = 0;  // its incarnation
   LogOffsets logs;
   std::string initial_weights_sha256;  // of what policy.initial_weights named; empty: of nothing

@@ -1,8 +1,7 @@
 #include "common/process/build_info.h"
 
 #include <gnu/libc-version.h>
-
-#include <Eigen/Core>
+#include <sleef.h>
 
 // CMakeLists.txt defines METRONOME_VERSION, METRONOME_ENGINE and METRONOME_FLAGS for this file.
 namespace metronome::process {
@@ -15,10 +14,10 @@ std::string BuildIdentity() {
 #else
   const std::string compiler = "gcc " __VERSION__;
 #endif
-  // glibc picks variants of exp, log and the like itself: the loaded one counts, not the built one.
-  return "metronome " METRONOME_VERSION ", " + compiler + ", " METRONOME_FLAGS ", eigen " +
-         std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) + "." +
-         std::to_string(EIGEN_MINOR_VERSION) + ", glibc " + gnu_get_libc_version();
+  // The loaded glibc counts, not the built one: it picks its variants of functions itself.
+  return "metronome " METRONOME_VERSION ", " + compiler + ", " METRONOME_FLAGS ", sleef " +
+         std::to_string(SLEEF_VERSION_MAJOR) + "." + std::to_string(SLEEF_VERSION_MINOR) + "." +
+         std::to_string(SLEEF_VERSION_PATCHLEVEL) + ", glibc " + gnu_get_libc_version();
 }
 
 }  // namespace metronome::process

@@ -57,8 +57,7 @@ bool Needed(const char* name) {
   Say(metronome::process::kProcessorNeedsReason);
   Say(").\nBuild for it by deploy/setup --march ");
   Say(level >= 4 ? "x86-64-v4" : level == 3 ? "x86-64-v3" : level == 2 ? "x86-64-v2" : "x86-64");
-  Say(". All processes of a run need such a build: its results differ in bits from other "
-      "builds'.\n");
+  Say(".\n");
   _exit(2);
 }
 

@@ -339,9 +339,12 @@ def _joining(options, started, identity):
 
 
 def actor_command(options, index, started):
-    """An actor's command line."""
-    program = str(options.build / "bin" / "metronome-actor")
-    return [program, "run", "--envs", str(options.envs), "--run", options.run, *_joining(options, started, f"actor-{index}")]
+    """An actor's command line. It computes by the learner's instructions, where those are chosen."""
+    isa = given(options, "--isa")
+    return [
+        str(options.build / "bin" / "metronome-actor"), "run", "--envs", str(options.envs), "--run", options.run,
+        *([] if isa is None else ["--isa", isa]), *_joining(options, started, f"actor-{index}"),
+    ]
 
 
 def _typed(options, program, *words):

@@ -48,8 +48,8 @@ ActorRegistry::Verdict ActorRegistry::Hear(const ActorStatus& status, TimePoint 
 
 void ActorRegistry::Welcome(const ActorStatus& status, const trust::Trust::Probation& probation,
                             TimePoint now) const {
-  spdlog::info("actor {} joins with {} env{}, from {}", NameIn(status), status.envs,
-               status.envs == 1 ? "" : "s", status.vouched_host);
+  spdlog::info("actor {} joins with {} env{}, from {}: {}", NameIn(status), status.envs,
+               status.envs == 1 ? "" : "s", status.vouched_host, ShownBuild(status.build));
   if (probation.until <= now) return;
   spdlog::warn(
       "actors on {} came and went {} times in a row: {} gets assignments after {} s, sooner if "

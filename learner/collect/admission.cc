@@ -16,16 +16,15 @@ bool Completes(const std::string& digest, const std::string& older) {
   return older.size() == kSha256 && digest.size() == 2 * kSha256 && digest.starts_with(older);
 }
 
-std::string Shown(const std::string& build) {
+}  // namespace
+
+std::string ShownBuild(const std::string& build) {
   return build.size() <= kMaxBuildShown ? build : build.substr(0, kMaxBuildShown) + "...";
 }
-
-}  // namespace
 
 Admission::Admission(const RunDescription& description, std::string digest)
     : incarnation_(description.incarnation),
       engine_(description.engine),
-      build_(description.build),
       digest_(std::move(digest)),
       digest_from_("the actors of this run before it was resumed") {}
 
@@ -46,7 +45,7 @@ Admission::Decision Admission::Judge(const ActorStatus& status) {
   if (status.canonical_digest.empty()) return {};
   if (digest_.empty()) {
     digest_ = status.canonical_digest;
-    digest_from_ = "the first actor, on " + status.host + " (" + Shown(status.build) + ")";
+    digest_from_ = "the first actor, on " + status.host + " (" + ShownBuild(status.build) + ")";
   }
   if (Completes(status.canonical_digest, digest_)) digest_ = status.canonical_digest;
   if (digest_ != status.canonical_digest) return {Verdict::kRefuse, DigestComplaint(status)};
@@ -54,10 +53,11 @@ Admission::Decision Admission::Judge(const ActorStatus& status) {
 }
 
 std::string Admission::DigestComplaint(const ActorStatus& status) const {
-  return "the actor on " + status.host + " (" + Shown(status.build) +
+  return "the actor on " + status.host + " (" + ShownBuild(status.build) +
          ") computes other numbers than the run so far: its canonical episode has digest " +
          status.canonical_digest + ", that of " + digest_from_ + " has " + digest_ +
-         "; use the same build on a processor and C library of the same kind";
+         "; it needs the same version of Metronome, SLEEF and the C library as the others, and a "
+         "processor with FMA if theirs have it";
 }
 
 }  // namespace metronome::collect

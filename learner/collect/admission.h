@@ -7,6 +7,9 @@
 
 namespace metronome::collect {
 
+/// A build as logs and refusals show it: actors may send more than anybody reads.
+std::string ShownBuild(const std::string& build);
+
 /// Decides which actors may play for a run. Pure logic; not thread-safe.
 class Admission {
  public:
@@ -36,7 +39,6 @@ class Admission {
 
   std::uint64_t incarnation_;
   std::string engine_;
-  std::string build_;  // the learner's
   std::string digest_;
   std::string digest_from_;  // who brought the digest
 };

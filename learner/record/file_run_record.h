@@ -19,7 +19,8 @@ class FileRunRecord final : public RunRecord {
  public:
   /// @param folder       exists.
   /// @param first        the checkpoint gone on from (its logs say where to cut), else one of
-  ///                     version 0; config, engine, build and incarnation are written from it.
+  ///                     version 0; config, engine, build, isa and incarnation are written from
+  ///                     it.
   /// @param algorithm    Algorithm::Metrics of the run.
   /// @throws std::invalid_argument with the remedy if the run's progress.csv has other columns.
   FileRunRecord(std::string folder, checkpoint::Checkpoint first,

@@ -51,6 +51,7 @@ Json Describe(const checkpoint::Checkpoint& checkpoint) {
       {"seed", config.seed()},
       {"engine", checkpoint.engine},
       {"build", checkpoint.build},
+      {"isa", checkpoint.isa},
       {"incarnation", checkpoint.incarnation},
       {"episodes_used", state.episodes_used},
       {"total_steps", config.total_steps()},

@@ -150,10 +150,18 @@ def test_the_learners_options_are_the_learners_alone(stage):
         assert line in config, config
 
 
+def test_the_instructions_that_are_chosen_are_the_learners_and_its_actors(stage):
+    launcher = train(stage, "--run", "run", "--isa", "scalar", actors=1)
+    assert launcher.wait() == 0, launcher
+    assert stage.inspect(stage.latest("run"))["isa"] == "scalar"
+    assert re.search(r"joins with .* isa scalar\n", (stage.runs / "run" / "logs" / "learner.log").read_text())
+
+
 @pytest.mark.parametrize("options, says", [
     (("--chekpoint-every", 8), '"--chekpoint-every"; did you mean "--checkpoint-every"?'),
     (("--heads",), "--heads"),
     (("--heads", "-5"), "--heads: policy.heads is -5"),
+    (("--isa", "avx"), '--isa: unknown instruction set "avx"; did you mean "avx2"?'),
     (("--progress", "lines"), "--progress is set by deploy/train itself"),
     (("more",), "unexpected argument 'more'"),
     (("--runs-dir", "runs"), "--runs-dir is set by deploy/train itself; give --runs"),

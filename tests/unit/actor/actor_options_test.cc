@@ -6,6 +6,7 @@
 
 #include "actor/metaworld/tasks/environments.h"
 #include "actor/options.h"
+#include "common/kernels/isa.h"
 
 namespace metronome::actor {
 namespace {
@@ -78,6 +79,19 @@ TEST_F(ActorOptionsTest, WholeNumbersNeitherWrapAroundNorChangeTheirBase) {
   EXPECT_NE(err_.find("--head-order: \"-1\" must be an integer from 0 to 4294967295"),
             std::string::npos)
       << err_;
+}
+
+TEST_F(ActorOptionsTest, InstructionsAreChosenByEachCommandThatComputesAPolicy) {
+  const kernels::Isa before = kernels::CurrentIsa();
+  for (auto command : {kRun, kEvaluate, kRender}) {
+    kernels::ChooseIsa(before);
+    ExpectRefused(command, "--isa", "sse");
+    EXPECT_EQ(kernels::CurrentIsa(), before);
+    command.insert(command.end(), {"--isa", "scalar"});
+    EXPECT_TRUE(std::holds_alternative<ActorCommand>(Parse(command))) << err_;
+    EXPECT_EQ(kernels::CurrentIsa(), kernels::Isa::kScalar);
+  }
+  kernels::ChooseIsa(before);
 }
 
 TEST_F(ActorOptionsTest, ALeadingZeroIsNotOctal) {

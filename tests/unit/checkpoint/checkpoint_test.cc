@@ -54,6 +54,7 @@ Checkpoint SmallCheckpoint(std::uint64_t version = 7) {
   state.episodes_used = version * 16;
   checkpoint.engine = "mujoco-2.2.2";
   checkpoint.build = "a build";
+  checkpoint.isa = "avx2";
   checkpoint.incarnation = 3;
   checkpoint.logs = {1234, 5678, 90.5};
   return checkpoint;
@@ -89,7 +90,6 @@ StateOfFormat5 OldState(const RunConfig& config) {
   state.set_version(7);
   state.set_steps(56000);
   state.set_episodes_used(112);
-  state.set_canonical_digest("00ff");
   for (std::size_t i = 0; i < policy::ParameterCount(policy::ShapeOf(config)); ++i) {
     state.add_parameters(0.5F + float(i));
   }
@@ -129,6 +129,7 @@ TEST(CheckpointTest, EveryBitComesBack) {
   EXPECT_EQ(loaded.config.SerializeAsString(), saved.config.SerializeAsString());
   EXPECT_EQ(loaded.engine, saved.engine);
   EXPECT_EQ(loaded.build, saved.build);
+  EXPECT_EQ(loaded.isa, saved.isa);
   EXPECT_EQ(loaded.incarnation, saved.incarnation);
   EXPECT_EQ(loaded.logs, saved.logs);
   EXPECT_EQ(EncodeCheckpoint(loaded), EncodeCheckpoint(saved));
@@ -160,8 +161,18 @@ TEST(CheckpointTest, AnotherFormatSaysWhich) {
   for (const std::uint32_t format : {0U, 9U}) {
     EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), format)),
               "x.ckpt: checkpoint format " + std::to_string(format) +
-                  ", this build reads formats 1 to 6; use a build that knows it");
+                  ", this build reads formats 1 to 7; use a build that knows it");
   }
+}
+
+// What actors of this build bring is not what those of its build brought.
+TEST(CheckpointTest, TheCanonicalDigestOfAnOlderBuildsNumbersIsNotRead) {
+  const auto digest = [](std::uint32_t format) {
+    const std::string bytes = WithFormat(SmallCheckpoint(), format);
+    return DecodeCheckpoint(bytes, "x.ckpt", test::Describe).state.canonical_digest;
+  };
+  EXPECT_EQ(digest(6), "");
+  EXPECT_EQ(digest(7), "00ff");
 }
 
 // PPO was the only algorithm, and its state, as it lies in the file, is its own format 1.
@@ -173,7 +184,6 @@ TEST(CheckpointTest, AFileOfFormat5HoldsThePolicyAndTheStateOfPpo) {
   EXPECT_EQ(state.version, 7U);
   EXPECT_EQ(state.steps, 56000U);
   EXPECT_EQ(state.episodes_used, 112U);
-  EXPECT_EQ(state.canonical_digest, "00ff");
   EXPECT_EQ(state.algorithm, (AlgorithmState{"ppo", 1, old.SerializeAsString()}));
   const std::vector<float> all(old.parameters().begin(), old.parameters().end());
   EXPECT_EQ(state.weights, (WeightsDigest{all.size(), process::WeightsSha256(all)}));

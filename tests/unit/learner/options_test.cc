@@ -11,6 +11,7 @@
 
 #include "common/checkpoint/checkpoint.h"
 #include "common/config/config.h"
+#include "common/kernels/isa.h"
 #include "common/policy/network.h"
 #include "common/process/sha256.h"
 #include "learner/record/inspect.h"
@@ -138,6 +139,19 @@ TEST_F(OptionsTest, EveryOptionReachesItsField) {
   EXPECT_EQ(config.runtime().metrics(), "0.0.0.0:9464");
   EXPECT_EQ(config.ppo().clip(), 0.1);
   EXPECT_EQ(config.policy().hidden_size(), 2);
+}
+
+TEST_F(OptionsTest, InstructionsAreOfTheProcessAndNotOfTheRun) {
+  const kernels::Isa before = kernels::CurrentIsa();
+  const std::string config = Run({}).config.SerializeAsString();
+  EXPECT_EQ(kernels::CurrentIsa(), before);
+  EXPECT_EQ(Run({"--isa", "scalar"}).config.SerializeAsString(), config);
+  EXPECT_EQ(kernels::CurrentIsa(), kernels::Isa::kScalar);
+  kernels::ChooseIsa(before);
+  ExpectUsageError(ParseRun({"--isa", "scaler"}),
+                   "--isa: unknown instruction set \"scaler\"; did you mean \"scalar\"? Known: "
+                   "scalar, avx2, avx512; this processor has: scalar");
+  EXPECT_EQ(kernels::CurrentIsa(), before);
 }
 
 TEST_F(OptionsTest, FileYieldsToSetAndSetToOptions) {
@@ -467,6 +481,7 @@ checkpoint::Checkpoint TwoHeads() {
   checkpoint.state.version = 12;
   checkpoint.state.steps = 96000;
   checkpoint.engine = "mujoco-2.2.2";
+  checkpoint.isa = "avx2";
   return checkpoint;
 }
 
@@ -490,6 +505,7 @@ TEST(InspectTest, JsonHasTheStableKeys) {
   EXPECT_EQ(json.at("critic_parameters"), 80 + 2 * 3);
   EXPECT_EQ(json.at("parameters"), 80 + 2 * (12 + 4) + 80 + 2 * 3);
   EXPECT_EQ(json.at("engine"), "mujoco-2.2.2");
+  EXPECT_EQ(json.at("isa"), "avx2");
   EXPECT_NEAR(json.at("head_std").at(0), 1, 1e-6);
   EXPECT_NEAR(json.at("head_std").at(1), 2, 1e-6);
   EXPECT_EQ(out.str().find('\n'), out.str().size() - 1) << "more than one line";

@@ -381,7 +381,8 @@ TEST(CoordinatorTest, ARefusalFitsTheWireHoweverLongAnActorsWordsAre) {
   FakeActor& engine = run.AddActor(3);
   engine.status.engine = std::string(5000, 'y');
   EXPECT_EQ(run.Run(), process::kExitFinished);
-  for (const char* part : {"host2", "digest-1", "digest-2", "www...", "xxx...", "same build"}) {
+  for (const char* part :
+       {"host2", "digest-1", "digest-2", "www...", "xxx...", "same version of Metronome"}) {
     EXPECT_TRUE(Contains(build.refused, part)) << part;
   }
   EXPECT_LT(build.refused.size(), 2000U);
