@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,23 @@ void PlaceAtRandom(const mjModel& m, mjData& d, int geom, numbers::RandomStream&
   for (int i = 0; i < 3; ++i) d.geom_xpos[3 * geom + i] = spread * random.Normal();
 }
 
+struct Pair {
+  int geom1, geom2;
+  mjfCollision collide;  // the engine's function for them
+};
+
+/// Two geoms, placed at random; none if the engine has no function for those that were drawn.
+std::optional<Pair> RandomPair(const mjModel& m, mjData& d, numbers::RandomStream& random) {
+  int geom1 = static_cast<int>(random.Below(static_cast<std::uint64_t>(m.ngeom)));
+  int geom2 = static_cast<int>(random.Below(static_cast<std::uint64_t>(m.ngeom)));
+  if (m.geom_type[geom1] > m.geom_type[geom2]) std::swap(geom1, geom2);
+  const mjfCollision collide = mjCOLLISIONFUNC[m.geom_type[geom1]][m.geom_type[geom2]];
+  if (geom1 == geom2 || collide == nullptr) return std::nullopt;
+  PlaceAtRandom(m, d, geom1, random);
+  PlaceAtRandom(m, d, geom2, random);
+  return Pair{geom1, geom2, collide};
+}
+
 TEST_P(GeomBoundsTest, PairsThatAreCalledApartHaveNoContact) {
   const auto scene = metaworld::engine::Scene::Load(DefaultAssetsPath(),
                                                     metaworld::tasks::FindTask(GetParam()).scene);
@@ -47,16 +65,12 @@ TEST_P(GeomBoundsTest, PairsThatAreCalledApartHaveNoContact) {
   std::array<mjContact, mjMAXCONPAIR> contacts;
   int apart = 0, touching = 0;
   for (int trial = 0; trial < 20000; ++trial) {
-    int geom1 = static_cast<int>(random.Below(static_cast<std::uint64_t>(m.ngeom)));
-    int geom2 = static_cast<int>(random.Below(static_cast<std::uint64_t>(m.ngeom)));
-    if (m.geom_type[geom1] > m.geom_type[geom2]) std::swap(geom1, geom2);
-    const mjfCollision collide = mjCOLLISIONFUNC[m.geom_type[geom1]][m.geom_type[geom2]];
-    if (geom1 == geom2 || collide == nullptr) continue;
-    PlaceAtRandom(m, *data, geom1, random);
-    PlaceAtRandom(m, *data, geom2, random);
+    const auto pair = RandomPair(m, *data, random);
+    if (!pair) continue;
+    const int geom1 = pair->geom1, geom2 = pair->geom2;
     const mjtNum margin = 0.001 * static_cast<mjtNum>(random.Below(3));
     const bool called_apart = bounds.SurelyApart(*data, geom1, geom2, margin);
-    const int count = collide(&m, data.get(), contacts.data(), geom1, geom2, margin);
+    const int count = pair->collide(&m, data.get(), contacts.data(), geom1, geom2, margin);
     apart += called_apart ? 1 : 0;
     touching += count > 0 ? 1 : 0;
     ASSERT_FALSE(called_apart && count > 0) << "geoms " << geom1 << " and " << geom2;
@@ -77,13 +91,9 @@ TEST_P(GeomBoundsTest, PairsThatAreBarelyCalledApartHaveNoContact) {
   std::array<mjContact, mjMAXCONPAIR> contacts;
   int barely = 0;
   for (int trial = 0; trial < 20000; ++trial) {
-    int geom1 = static_cast<int>(random.Below(static_cast<std::uint64_t>(m.ngeom)));
-    int geom2 = static_cast<int>(random.Below(static_cast<std::uint64_t>(m.ngeom)));
-    if (m.geom_type[geom1] > m.geom_type[geom2]) std::swap(geom1, geom2);
-    const mjfCollision collide = mjCOLLISIONFUNC[m.geom_type[geom1]][m.geom_type[geom2]];
-    if (geom1 == geom2 || collide == nullptr) continue;
-    PlaceAtRandom(m, *data, geom1, random);
-    PlaceAtRandom(m, *data, geom2, random);
+    const auto pair = RandomPair(m, *data, random);
+    if (!pair) continue;
+    const int geom1 = pair->geom1, geom2 = pair->geom2;
     mjtNum* moved = data->geom_xpos + 3 * geom2;
     const std::array<mjtNum, 3> start = {moved[0], moved[1], moved[2]};
     const std::array<mjtNum, 3> way = {random.Normal(), random.Normal(), random.Normal()};
@@ -98,7 +108,7 @@ TEST_P(GeomBoundsTest, PairsThatAreBarelyCalledApartHaveNoContact) {
       (apart_at(middle) ? far : near) = middle;
     }
     ASSERT_TRUE(apart_at(far));
-    ASSERT_EQ(collide(&m, data.get(), contacts.data(), geom1, geom2, 0), 0)
+    ASSERT_EQ(pair->collide(&m, data.get(), contacts.data(), geom1, geom2, 0), 0)
         << "geoms " << geom1 << " and " << geom2;
     ++barely;
   }
