@@ -8,7 +8,6 @@
 //
 #include <hwy/highway.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "common/kernels/kernel_table.h"
@@ -33,8 +32,7 @@ HWY_INLINE Vector Fma(Vector a, Vector b, Vector c) {
 #endif
 }
 
-// `Rows` rows by `Width` vectors of `out`, whose chains stay in registers. `right` and `column` are
-// those of the first vector, whose place in its panel is a multiple of what is taken together.
+// `Rows` rows by `Width` vectors of `out` from `vector` on, whose chains stay in registers.
 template <std::size_t Rows, std::size_t Width>
 HWY_INLINE void Tile(const Product& p, std::size_t row, std::size_t vector) {
   const Tag tag;

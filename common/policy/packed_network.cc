@@ -51,6 +51,18 @@ void AddRow(std::int32_t head, std::size_t row, std::vector<HeadRun>& runs) {
   ++runs.back().count;
 }
 
+std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs, const NetworkShape& shape) {
+  std::vector<HeadRun> value_runs;
+  for (const HeadRun& run : runs) {
+    const std::int32_t head = shape.value_head(run.head);
+    if (value_runs.empty() || value_runs.back().head != head) {
+      value_runs.push_back({head, run.begin, 0});
+    }
+    value_runs.back().count += run.count;
+  }
+  return value_runs;
+}
+
 Activations::Activations(const MlpLayout& layout, std::size_t rows)
     : output(rows, std::size_t(layout.head_outputs)) {
   for (const LayerSlice& slice : layout.hidden) hidden.emplace_back(rows, slice.outputs);

@@ -43,6 +43,9 @@ struct HeadRun {
 /// Adds row `row`, which comes after those of the runs.
 void AddRow(std::int32_t head, std::size_t row, std::vector<HeadRun>& runs);
 
+/// The same rows by the critic's heads: one run where it has one head.
+std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs, const NetworkShape& shape);
+
 /// What a forward pass over some samples, a row each, leaves.
 struct Activations {
   /// @param rows  at most.

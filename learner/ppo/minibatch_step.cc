@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "common/numbers/elementary.h"
 #include "common/policy/gaussian.h"
 #include "learner/algorithm/algorithm.h"
 #include "learner/ppo/adam.h"
@@ -68,20 +67,6 @@ std::vector<HeadRun> RunsOf(const std::vector<std::uint16_t>& heads, std::size_t
   return runs;
 }
 
-// The same rows by the critic's heads: one run where it has one head.
-std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs,
-                               const policy::NetworkShape& shape) {
-  std::vector<HeadRun> value_runs;
-  for (const HeadRun& run : runs) {
-    const std::int32_t head = shape.value_head(run.head);
-    if (value_runs.empty() || value_runs.back().head != head) {
-      value_runs.push_back({head, run.begin, 0});
-    }
-    value_runs.back().count += run.count;
-  }
-  return value_runs;
-}
-
 }  // namespace
 
 struct MinibatchStep::Impl {
@@ -108,7 +93,7 @@ struct MinibatchStep::Impl {
     heads.resize(by_head.size());
     for (std::size_t row = 0; row < by_head.size(); ++row) heads[row] = batch.head[by_head[row]];
     runs = RunsOf(heads, 0, heads.size());
-    value_runs = ValueRuns(runs, shape);
+    value_runs = policy::ValueRuns(runs, shape);
     groups = {by_head.size()};
   }
 
@@ -123,7 +108,7 @@ struct MinibatchStep::Impl {
   void PassRows(const TrainingBatch& batch, const float* parameters, std::size_t first,
                 std::size_t count) {
     const std::vector<HeadRun> of_rows = RunsOf(heads, first, count);
-    const std::vector<HeadRun> of_values = ValueRuns(of_rows, shape);
+    const std::vector<HeadRun> of_values = policy::ValueRuns(of_rows, shape);
     Gather(batch, first, count);
     actor.Forward(input, first, count, of_rows);
     for (const HeadRun& run : of_rows) PolicyLosses(batch, parameters, run);
@@ -135,8 +120,7 @@ struct MinibatchStep::Impl {
 
   void PolicyLosses(const TrainingBatch& batch, const float* parameters, const HeadRun& run) {
     const float* log_std = parameters + LogStd(run.head);
-    ActionArray inv_std{};
-    for (int i = 0; i < shape.action; ++i) inv_std[i] = 1 / numbers::Exp(log_std[i]);
+    const ActionArray inv_std = policy::InverseStd(log_std, shape.action);
     for (std::size_t row = run.begin; row < run.end(); ++row) {
       const std::uint32_t sample = by_head[row];
       PolicySample of;
@@ -217,10 +201,9 @@ struct MinibatchStep::Impl {
   [[nodiscard]] ActionArray SumOverGroups(const HeadRun& run) const {
     ActionArray sum{};
     for (std::size_t g = 0; g < SampleGroups::kGroups; ++g) {
-      const std::size_t from = std::max(run.begin, groups.begin(g));
-      const std::size_t to = std::min(run.end(), groups.end(g));
+      const HeadRun part = groups.PartOf(run, g);
       ActionArray chain{};
-      for (std::size_t row = from; row < to; ++row) {
+      for (std::size_t row = part.begin; row < part.end(); ++row) {
         for (int i = 0; i < shape.action; ++i) chain[i] += d_log_std[row][i];
       }
       for (int i = 0; i < shape.action; ++i) sum[i] += chain[i];

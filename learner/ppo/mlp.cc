@@ -62,6 +62,13 @@ class SumOfSquares {
   std::array<double, kPanel> chains_{};
 };
 
+// The run of a head; of no rows where it has none.
+policy::HeadRun RunOf(const std::vector<policy::HeadRun>& runs, std::int32_t head) {
+  const auto run = std::find_if(runs.begin(), runs.end(),
+                                [head](const policy::HeadRun& of) { return of.head == head; });
+  return run == runs.end() ? policy::HeadRun{head} : *run;
+}
+
 }  // namespace
 
 Mlp::Mlp(policy::MlpLayout layout, std::size_t rows)
@@ -143,15 +150,8 @@ void Mlp::Backward(std::size_t first, std::size_t count, const std::vector<polic
 double Mlp::Gradient(std::size_t gradient_part, const Matrix& input, const SampleGroups& groups,
                      const std::vector<policy::HeadRun>& runs, float* gradient) const {
   const Part& part = gradient_parts_[gradient_part];
-  std::size_t begin = 0;
-  std::size_t end = groups.samples;
-  if (IsHead(part)) {
-    const auto run = std::find_if(runs.begin(), runs.end(), [&](const policy::HeadRun& of) {
-      return std::size_t(of.head) == part.head;
-    });
-    begin = run == runs.end() ? 0 : run->begin;
-    end = run == runs.end() ? 0 : run->end();
-  }
+  const policy::HeadRun rows =
+      IsHead(part) ? RunOf(runs, std::int32_t(part.head)) : policy::HeadRun{0, 0, groups.samples};
   const Matrix& d = IsHead(part) ? d_output_ : d_hidden_[part.layer];
   const Matrix& below = part.layer == 0 ? input : rows_.hidden[part.layer - 1];
   alignas(64) std::array<float, kPartOutputs * kPartInputs> weight{};
@@ -176,12 +176,11 @@ double Mlp::Gradient(std::size_t gradient_part, const Matrix& input, const Sampl
   of_bias.out = bias.data();
   of_bias.add = true;
   for (std::size_t g = 0; g < SampleGroups::kGroups; ++g) {
-    const std::size_t from = std::max(begin, groups.begin(g));
-    const std::size_t to = std::min(end, groups.end(g));
-    if (from >= to) continue;
-    of_weight.depth = of_bias.depth = to - from;
-    of_weight.left = of_bias.right = d.row(from) + part.first_output;
-    of_weight.right = below.row(from) + part.first_input;
+    const policy::HeadRun of_group = groups.PartOf(rows, g);
+    if (of_group.count == 0) continue;
+    of_weight.depth = of_bias.depth = of_group.count;
+    of_weight.left = of_bias.right = d.row(of_group.begin) + part.first_output;
+    of_weight.right = below.row(of_group.begin) + part.first_input;
     kernels::Multiply(of_weight);
     if (part.first_input == 0) kernels::Multiply(of_bias);
   }

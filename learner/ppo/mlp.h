@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -20,6 +21,12 @@ struct SampleGroups {
 
   [[nodiscard]] std::size_t begin(std::size_t group) const { return group * samples / kGroups; }
   [[nodiscard]] std::size_t end(std::size_t group) const { return begin(group + 1); }
+  /// Rows of a run that are in the group; it may have none.
+  [[nodiscard]] policy::HeadRun PartOf(const policy::HeadRun& run, std::size_t group) const {
+    const std::size_t first = std::max(run.begin, begin(group));
+    const std::size_t last = std::min(run.end(), end(group));
+    return {run.head, first, last > first ? last - first : 0};
+  }
 };
 
 /// Numbers [first, first + count) of a flat parameter vector.

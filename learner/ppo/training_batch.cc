@@ -87,13 +87,13 @@ class EpisodeBuilder {
     const auto actions = std::size_t(networks_.shape.action);
     WriteInputs(t, count);
     const auto rows = std::size_t(count);
-    networks_.packed_critic.Forward(input_, of_critic_, 0, rows, ValueRuns(t, rows));
+    const std::vector<HeadRun> runs = Runs(t, rows);
+    networks_.packed_critic.Forward(input_, of_critic_, 0, rows,
+                                    policy::ValueRuns(runs, networks_.shape));
     // Without overlap the proximal policy is the behaviour policy, and the actors' own
     // log-probabilities serve; with it, the current actor's are computed.
     const bool lagging = source_.config.collection().overlap() > 0;
-    if (lagging) {
-      networks_.packed_actor.Forward(input_, of_actor_, 0, rows, PolicyRuns(t, rows));
-    }
+    if (lagging) networks_.packed_actor.Forward(input_, of_actor_, 0, rows, runs);
     for (std::size_t i = 0; i < rows; ++i) {
       const std::size_t step = std::size_t(t) + i;
       values_.push_back(of_critic_.output.row(i)[0]);
@@ -122,29 +122,18 @@ class EpisodeBuilder {
   }
 
   // The final observation's goes to the head that values it.
-  [[nodiscard]] std::vector<HeadRun> PolicyRuns(std::int32_t t, std::size_t count) const {
-    std::vector<HeadRun> runs;
-    for (std::size_t i = 0; i < count; ++i) policy::AddRow(HeadAt(t, i), i, runs);
-    return runs;
-  }
-
-  [[nodiscard]] std::vector<HeadRun> ValueRuns(std::int32_t t, std::size_t count) const {
+  [[nodiscard]] std::vector<HeadRun> Runs(std::int32_t t, std::size_t count) const {
     std::vector<HeadRun> runs;
     for (std::size_t i = 0; i < count; ++i) {
-      policy::AddRow(networks_.shape.value_head(HeadAt(t, i)), i, runs);
+      policy::AddRow(schedule_.ValueHeadAt(t + std::int32_t(i)), i, runs);
     }
     return runs;
-  }
-
-  [[nodiscard]] std::int32_t HeadAt(std::int32_t t, std::size_t i) const {
-    return schedule_.ValueHeadAt(t + std::int32_t(i));
   }
 
   [[nodiscard]] float ProximalLogProb(std::size_t step, const float* mean) const {
     const auto actions = std::size_t(networks_.shape.action);
     const float* log_std = networks_.log_std + std::size_t(episode_.head[step]) * actions;
-    std::array<float, kMaxActionSize> inv_std{};
-    for (std::size_t i = 0; i < actions; ++i) inv_std[i] = 1 / numbers::Exp(log_std[i]);
+    const auto inv_std = policy::InverseStd(log_std, networks_.shape.action);
     return policy::GaussianLogProb(episode_.action.data() + step * actions, mean, inv_std.data(),
                                    log_std, networks_.shape.action);
   }
