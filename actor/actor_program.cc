@@ -35,9 +35,6 @@
 namespace metronome::actor {
 namespace {
 
-/// What of this process may matter to those that look at its results.
-std::string Identity() { return process::BuildIdentity() + ", " + kernels::CurrentIsaText(); }
-
 client::ActorClientOptions ClientOptions(const JoinOptions& options) {
   client::ActorClientOptions client;
   client.run_name = options.bus.run_name;
@@ -53,7 +50,7 @@ client::ActorClientOptions ClientOptions(const JoinOptions& options) {
   client.host = process::HostName();
   client.pid = static_cast<std::uint32_t>(getpid());
   client.engine = process::EngineName();
-  client.build = Identity();
+  client.build = kernels::WithCurrentIsa(process::BuildIdentity());
   return client;
 }
 
@@ -109,7 +106,7 @@ void RequireMachine(const environment::EnvironmentRegistry& registry) {
 
 int Execute(const JoinOptions& options, const environment::EnvironmentRegistry& registry) {
   process::SetUpLogging("actor", options.log);
-  spdlog::info("{}, {}", Identity(), process::EngineName());
+  spdlog::info("{}, {}", kernels::WithCurrentIsa(process::BuildIdentity()), process::EngineName());
   process::IgnoreLostReaders();
   try {
     RequireMachine(registry);

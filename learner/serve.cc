@@ -35,9 +35,6 @@
 namespace metronome::learner {
 namespace {
 
-/// What of this process may matter to those that look at its results.
-std::string Identity() { return process::BuildIdentity() + ", " + kernels::CurrentIsaText(); }
-
 std::string HostAndProcess() {
   return "on " + process::HostName() + ", process " + std::to_string(getpid());
 }
@@ -114,7 +111,8 @@ run::CoordinatorSetup SetupOf(const RunOptions& options, const run::RunStart& st
   setup.description.incarnation = start.checkpoint.incarnation;
   setup.description.run_name = options.run;
   setup.description.engine = process::EngineName();
-  setup.description.build = Identity() + ", " + HostAndProcess();
+  setup.description.build =
+      kernels::WithCurrentIsa(process::BuildIdentity()) + ", " + HostAndProcess();
   setup.description.config = config.SerializeAsString();
   setup.rules.episodes_per_update =
       static_cast<std::uint64_t>(config.collection().episodes_per_update());
@@ -218,7 +216,7 @@ int Serve(const RunOptions& options, const algorithm::Algorithms& algorithms,
 
 int ServeRun(const RunOptions& options, const algorithm::Algorithms& algorithms) {
   process::SetUpLogging("learner", options.log);
-  spdlog::info("{}, {}", Identity(), process::EngineName());
+  spdlog::info("{}, {}", kernels::WithCurrentIsa(process::BuildIdentity()), process::EngineName());
   for (const std::string& warning : options.warnings) spdlog::warn("{}", warning);
   process::IgnoreLostReaders();
   process::StopTarget target;

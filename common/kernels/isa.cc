@@ -58,7 +58,9 @@ std::vector<Isa> SupportedIsas() {
 
 Isa CurrentIsa() { return Chosen(); }
 
-std::string CurrentIsaText() { return "isa " + std::string(NameOf(CurrentIsa())); }
+std::string WithCurrentIsa(const std::string& build) {
+  return build + ", isa " + std::string(NameOf(CurrentIsa()));
+}
 
 void ChooseIsa(Isa isa) {
   const std::vector<Isa> supported = SupportedIsas();

@@ -31,8 +31,9 @@ std::vector<Isa> SupportedIsas();
 /// What the kernels of this process run on: the fastest that the processor has, until ChooseIsa.
 Isa CurrentIsa();
 
-/// "isa avx2", for people.
-std::string CurrentIsaText();
+/// What of a process may matter to those that look at its results, for people: "BUILD, isa avx2".
+/// @param build  its BuildIdentity().
+std::string WithCurrentIsa(const std::string& build);
 
 /// For the whole process; call before threads use kernels. @throws std::invalid_argument for one
 /// that the processor does not have, which names those that it has.
