@@ -35,9 +35,17 @@ void AwaitChange(const std::atomic<T>& value, T old) {
 }  // namespace
 
 struct WorkerTeam::Impl {
+  // A thread's part of a round's tasks: it starts there, so that round by round it finds in its
+  // cache what it left there. Then it helps the others.
+  struct alignas(64) Share {
+    std::atomic<std::size_t> next{0};
+    std::size_t end = 0;
+  };
+
   explicit Impl(int threads)
-      : workers(process::StartThreads(
-            static_cast<std::size_t>(threads - 1), [this](std::size_t) { Work(); },
+      : shares(static_cast<std::size_t>(threads)),
+        workers(process::StartThreads(
+            static_cast<std::size_t>(threads - 1), [this](std::size_t i) { Work(i + 1); },
             [this] { Dismiss(); }, "runtime.learner_threads")) {}
 
   void Dismiss() {
@@ -45,21 +53,28 @@ struct WorkerTeam::Impl {
     NextRound();
   }
 
-  void Work() {
+  void Work(std::size_t thread) {
     for (std::uint32_t seen = 0;; ++seen) {
       AwaitChange(round, seen);
       if (stopping) return;
       const process::CpuTimer timer(process::CpuUse::kUpdate);
-      Drain();
+      Drain(thread);
       if (--working == 0) working.notify_one();
     }
   }
 
-  void Drain() {
-    for (std::size_t i = next++; i < count; i = next++) (*task)(i);
+  void Drain(std::size_t thread) {
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      Share& share = shares[(thread + i) % shares.size()];
+      for (std::size_t t = share.next++; t < share.end; t = share.next++) (*task)(t);
+    }
   }
 
   void StartRound() {
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      shares[i].next = i * count / shares.size();
+      shares[i].end = (i + 1) * count / shares.size();
+    }
     working = static_cast<int>(workers.size());
     NextRound();
   }
@@ -77,7 +92,7 @@ struct WorkerTeam::Impl {
   const std::function<void(std::size_t)>* task = nullptr;
   std::size_t count = 0;
   bool stopping = false;
-  std::atomic<std::size_t> next{0};
+  std::vector<Share> shares;            // [threads]
   std::atomic<std::uint32_t> round{0};  // begun so far
   std::atomic<int> working{0};          // workers that have not ended this round
   std::vector<std::thread> workers;     // last: they use the others
@@ -98,9 +113,8 @@ std::size_t WorkerTeam::threads() const { return impl_->workers.size() + 1; }
 void WorkerTeam::Run(std::size_t count, const std::function<void(std::size_t)>& task) {
   impl_->task = &task;
   impl_->count = count;
-  impl_->next = 0;
   impl_->StartRound();
-  impl_->Drain();
+  impl_->Drain(0);
   impl_->AwaitWorkers();
 }
 
