@@ -14,6 +14,7 @@
 
 #include "actor/environment/mujoco_view.h"
 #include "actor/metaworld/engine/engine.h"
+#include "actor/metaworld/engine/looks.h"
 #include "actor/metaworld/step_result.h"
 #include "actor/metaworld/tasks/environments.h"
 #include "actor/metaworld/tasks/task_table.h"
@@ -67,6 +68,20 @@ struct Episodes {
   std::vector<Episode> episodes;
 };
 
+/// The scene's whole model, as the official environment has it (actors keep a slim one), in an
+/// episode's start.
+metaworld::engine::DataPtr StartOf(const mjModel& model, const mjData& start) {
+  metaworld::engine::DataPtr data(mj_makeData(&model));
+  data->time = start.time;
+  std::copy_n(start.qpos, model.nq, data->qpos);
+  std::copy_n(start.qvel, model.nv, data->qvel);
+  std::copy_n(start.qacc_warmstart, model.nv, data->qacc_warmstart);
+  std::copy_n(start.ctrl, model.nu, data->ctrl);
+  std::copy_n(start.mocap_pos, 3 * model.nmocap, data->mocap_pos);
+  std::copy_n(start.mocap_quat, 4 * model.nmocap, data->mocap_quat);
+  return data;
+}
+
 /// A bare mjData at an episode's start, and the controls of its steps.
 class BareLoop {
  public:
@@ -79,8 +94,8 @@ class BareLoop {
     for (int i = 0; i < kEpisodes; ++i) {
       environment::EpisodeStart start = environment::TrainingStart(played.config, std::uint64_t(i));
       environment_->Reset(start, observation);
-      starts_.emplace_back(mj_copyData(nullptr, &scene.model(), &scene.data()));
-      models_.emplace_back(mj_copyModel(nullptr, &scene.model()));
+      models_.push_back(metaworld::engine::CopyToDraw(scene.model()));
+      starts_.push_back(StartOf(*models_.back(), scene.data()));
     }
   }
 

@@ -81,6 +81,16 @@ class Source {
   double play_seconds_ = 0;
 };
 
+/// An assignment may be here before all of the learner's endpoints are known: until they are, no
+/// learner is there to send to.
+void SendFirstEpisode(ActorBus& bus, Source& source) {
+  for (auto deadline = Clock::now() + kPatience; Clock::now() < deadline;) {
+    if (bus.Send(source.Next(0)) == ActorBus::SendResult::kSent) return;
+    (void)bus.Wait(Clock::now() + kAsk);
+  }
+  throw std::runtime_error("no learner takes episodes");
+}
+
 void SendEpisodes(ActorBus& bus, Source& source, std::uint64_t count) {
   for (std::uint64_t number = 0; number < count; ++number) {
     if (bus.Send(source.Next(number)) != ActorBus::SendResult::kSent) {
@@ -94,7 +104,8 @@ void ActAsActor(const BusOptions& options, const EpisodeBank& bank, std::uint64_
   Source source(bank, plays);
   const auto bus = dds::MakeDdsActorBus(options, kActorId);
   JoinAsActor(*bus);
-  SendEpisodes(*bus, source, kWarmUp);
+  SendFirstEpisode(*bus, source);
+  SendEpisodes(*bus, source, kWarmUp - 1);
   Next<EpisodeAssignment>(*bus);
   TransportCost cost;
   const double cpu = ProcessSeconds();

@@ -9,7 +9,6 @@ from suite import _stats
 NAME = "loops"
 HELP = "the actor's loop against the bare engine, replaying the same actions"
 EACH_ENGINE = True
-ALL_TASKS = True
 
 
 def rates(build, task, quick=False, pattern="bare|actor"):

@@ -11,7 +11,6 @@ import sys
 from suite import _stats
 
 NAME = "peers"
-ALL_TASKS = True
 HELP = "control steps a second of EnvPool and of the official Python package, random actions"
 
 # MuJoCo inside: EnvPool 1.2.5 is built with its own, the official package pins one.
