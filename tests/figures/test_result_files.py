@@ -60,8 +60,10 @@ def test_files_do_not_tell_who_finished_first(files, tmp_path):
 def test_a_column_that_a_run_lacks_is_empty(files):
     publish(files, "a")
     publish(files, "b", evaluations=[{"steps": "16000", "success": "1.0", "time_to_success": "", "success_200": "0.5"}])
+    publish(files, "c")
     assert files.evaluations_path.read_text() == (
-        "run,steps,success,time_to_success,success_200\npush-a-s1,16000,0.0,,\npush-b-s1,16000,1.0,,0.5\n")
+        "run,steps,success,time_to_success,success_200\n"
+        "push-a-s1,16000,0.0,,\npush-b-s1,16000,1.0,,0.5\npush-c-s1,16000,0.0,,\n")
 
 
 @pytest.mark.parametrize("writes", range(3))

@@ -97,10 +97,12 @@ def test_it_makes_every_cell_once(stage):
     assert facts["config"] == (place.runs / "small" / "push-multihead-s7" / "config.textproto").read_text()
     assert facts["engine"].endswith(ENGINE) and len(facts["revision"].split("-")[0]) == 40
     assert facts["weights_sha256"] != place.facts("push-ppo-s7")["weights_sha256"]
-    # Another start has nothing to do; what is done shows.
+    # Another start has nothing to do but to remove what a kill may have left; what is done shows.
+    (place.made.folder / "push-ppo-s7" / "unfinished").mkdir(parents=True)
     again = place.start()
     assert again.wait() == 0, again
     assert facts == place.facts("push-multihead-s7")
+    assert not (place.made.folder / "push-ppo-s7").exists()
     listed = place.start("--list")
     assert listed.wait() == 0 and listed.text.count("done") == 2, listed
 
@@ -284,6 +286,20 @@ def test_a_run_whose_newest_checkpoint_is_lost_is_carried_all_the_same(tmp_path)
     assert files.carry(set()) is None
     carried = tmp_path / "results" / "small" / "cell" / "unfinished" / "checkpoints"
     assert [path.name for path in carried.iterdir()] == ["000003.ckpt"]
+
+
+def test_curves_keep_what_is_drawn_and_what_is_of_each_task(tmp_path):
+    cell = SimpleNamespace(experiment="small", name="mt10-ppo-s1")
+    files = CellFiles(cell, tmp_path / "runs", ResultFiles(tmp_path / "results" / "small"))
+    files.run.mkdir(parents=True)
+    (files.run / "config.textproto").write_text("seed: 1\n")
+    (files.run / "progress.csv").write_text(
+        "steps,update,episodes,return,success,success_end,return_push,success_push,kl,kl_head0,wall_seconds,wall_envs\n"
+        "400,1,4,2e-04,0.5,0.25,-0.10,0,0.01,0.02,0.7,1\n")
+    files.publish({"run": cell.name, "task": "mt10", "arm": "ppo", "seed": 1})
+    assert files.results.progress_path("mt10").read_text() == (
+        "run,steps,update,return,success,success_end,return_push,success_push,wall_seconds\n"
+        "mt10-ppo-s1,400,1,2e-04,0.5,0.25,-0.10,0,0.7\n")
 
 
 @pytest.mark.slow
