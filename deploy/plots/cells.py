@@ -55,12 +55,12 @@ def _number(text, column, where):
     return value
 
 
-def _read_tables(path, columns, key):
-    """@return key to table of `columns`, for each key that a row has.
+def _read_tables(path, columns, by):
+    """@return table of `columns` for each combination of texts that rows have in the columns `by`.
     @throws ResultsError naming the file and the line of what is wrong, OSError."""
     values = {}
-    for where, row in read_rows(path, [column for column in columns if column not in MAY_BE_EMPTY]):
-        rows = values.setdefault(key(row), [])
+    for where, row in read_rows(path, {*by, *columns} - MAY_BE_EMPTY):
+        rows = values.setdefault(tuple(row[column] for column in by), [])
         rows.append([_number(row.get(column, ""), column, where) for column in columns])
         if len(rows) > 1 and rows[-1][0] <= rows[-2][0]:
             raise ResultsError(f"{where}: {columns[0]} does not grow within {row['run']}")
@@ -72,7 +72,7 @@ def _read_evaluations(path):
     if not path.exists():
         return {}
     tables = {}
-    for (run, placements), table in _read_tables(path, EVALUATION, lambda row: (row["run"], row["placements"])).items():
+    for (run, placements), table in _read_tables(path, EVALUATION, ("run", "placements")).items():
         tables.setdefault(run, {})[placements] = table
     return tables
 
@@ -108,7 +108,8 @@ def read_experiment(folder):
         evaluations = _read_evaluations(files.evaluations_path)
         curves = {}
         for task in sorted({facts["task"] for facts in runs.values()}):
-            curves |= _read_tables(files.progress_path(task), PROGRESS, lambda row: row["run"])
+            tables = _read_tables(files.progress_path(task), PROGRESS, ("run",))
+            curves |= {run: table for (run,), table in tables.items()}
         begun = {path.parent.name for path in folder.glob("*/unfinished")}
     except OSError as error:
         raise ResultsError(f"{error.filename} cannot be read: {error.strerror}") from None

@@ -114,9 +114,11 @@ def test_bytes_that_are_no_text_name_the_file(files, name):
         cells.read_experiment(files.folder)
 
 
-def test_a_missing_column_is_named(files):
-    replace_line(files.progress_path("push"), 1, lambda line: line.replace("return", "reward"))
-    with pytest.raises(cells.ResultsError, match=r"push\.csv:1: there is no column return"):
+@pytest.mark.parametrize("name, column", [
+    ("progress/push.csv", "return"), ("progress/push.csv", "run"), ("evaluations.csv", "placements")])
+def test_a_missing_column_is_named(files, name, column):
+    replace_line(files.folder / name, 1, lambda line: line.replace(column, "other"))
+    with pytest.raises(cells.ResultsError, match=rf"{name}:1: there is no column {column}"):
         cells.read_experiment(files.folder)
 
 
