@@ -5,7 +5,6 @@ import errno
 import fnmatch
 import os
 import random
-import shutil
 import sys
 import time
 from pathlib import Path
@@ -22,6 +21,7 @@ import terminal  # noqa: E402
 import view  # noqa: E402
 from cell_files import CellFiles  # noqa: E402
 from folders import shown  # noqa: E402
+from result_files import ResultFiles, ResultsError  # noqa: E402
 from settings import SettingsError, make_settings  # noqa: E402
 from slot import CellFailed, Slot, stop_all  # noqa: E402
 
@@ -38,9 +38,8 @@ def _parse(arguments):
         description="Makes the runs of an experiment file, several at once, and evaluates their "
         "milestones. What is\ndone is skipped, what was interrupted goes on: stop it whenever you "
         "like (Ctrl-C) and start it again.",
-        epilog="Done cells are results/NAME/CELL/: run.json, config.textproto, progress.csv, "
-        "evaluation.csv. Stopped ones\nleave results/NAME/CELL/unfinished/, from which another "
-        "checkout goes on.\n\n" + matrix.__doc__)
+        epilog="Done cells are in results/NAME/: runs.jsonl, evaluations.csv, progress/TASK.csv. Stopped ones leave\n"
+        "results/NAME/CELL/unfinished/, from which another checkout goes on.\n\n" + matrix.__doc__)
     parser.add_argument("file", metavar="FILE", type=Path, help="deploy/experiments/main.toml, say")
     parser.add_argument("--list", action="store_true", help="say what is done and what is not, and end")
     parser.add_argument("--cells", metavar="GLOB", action="append",
@@ -82,20 +81,27 @@ def _chosen(experiment, globs):
     return cells
 
 
-def _require_same(files, cell, settings):
+def _require_same(cell, settings, made, remedy):
     """A cell that is done, or under way, must be what the file asks for now."""
-    made, place = files.made_by()
     for key, wanted in {"command": settings.command_of(cell), **settings.evaluation_facts(cell)}.items():
         if made.get(key, wanted) != wanted:
             raise matrix.MatrixError(
-                f"{shown(place)} was made by other settings ({key}: {made[key]}) than the file asks for now "
-                f"({wanted}): move it away, or give the arm another name")
+                f"{cell.name} was made by other settings ({key}: {made[key]}) than the file asks for now ({wanted}): "
+                f"{remedy}, or give the arm another name")
 
 
-def _list(cells, files):
-    for cell in cells:
-        of = files[cell]
-        if of.done() is not None:
+def _require_same_settings(files, runs, settings):
+    for cell, of in files.items():
+        if cell.name in runs:
+            _require_same(cell, settings, runs[cell.name], f"remove its line from {shown(of.results.runs_path)}")
+        else:
+            made, folder = of.made_by()
+            _require_same(cell, settings, made, f"move {shown(folder)} away")
+
+
+def _list(files, done):
+    for cell, of in files.items():
+        if cell in done:
             state = "done"
         else:
             carried = " (carried)" if not of.started() and (of.result / "unfinished").is_dir() else ""
@@ -104,13 +110,15 @@ def _list(cells, files):
 
 
 class Runner:
-    def __init__(self, cells, files, places, settings, outlets):
-        """@param places  (cores, DDS domain) of each run that is made at once.
+    def __init__(self, files, done, places, settings, outlets):
+        """@param files  cell to CellFiles, of those that are wanted.
+        @param done  those of them that are done; what gets done is added.
+        @param places  (cores, DDS domain) of each run that is made at once.
         @param outlets  terminal.Outlets to write to while there is nothing else to do."""
-        self._todo = [cell for cell in cells if files[cell].done() is None]
-        self._files, self._events = files, children.Events()
+        self._todo = [cell for cell in files if cell not in done]
+        self._files, self._done, self._events = files, done, children.Events()
         self._events.relieve(outlets)
-        self._view = view.View(cells, files)
+        self._view = view.View(files, done)
         self._slots = [Slot(*place, settings, self._events, self._view.note) for place in places]
         self._failed = []
         self._troubles = {}  # slot to what it waits for the end of
@@ -146,7 +154,9 @@ class Runner:
     def _go_on(self, slot):
         """Whatever raises an OSError here can be tried again."""
         try:
-            if slot.advance():
+            done = slot.advance()
+            if done is not None:
+                self._done.add(done)
                 self._view.done()
         except CellFailed as failure:
             self._failed.append(str(failure))
@@ -193,29 +203,30 @@ def main():
     try:
         experiment = matrix.load(options.file)
         cells = _chosen(experiment, options.cells)
-        files = {cell: CellFiles(cell, options.runs, options.results) for cell in cells}
+        results = ResultFiles(options.results / experiment.name)
+        files = {cell: CellFiles(cell, options.runs, results) for cell in cells}
+        runs = results.runs()
+        done = {cell for cell in cells if cell.name in runs}
         if options.list:
-            _list(cells, files)
+            _list(files, done)
             sys.stdout.flush()
             return 0
         build = options.build or builds.set_up(experiment.mujoco)
         settings = make_settings(ROOT, build, experiment, cells)
-        for cell in cells:
-            _require_same(files[cell], cell, settings)
-        folder = options.results / experiment.name
-        folder.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(options.file, folder / "experiment.toml")
+        _require_same_settings(files, runs, settings)
+        results.define(options.file)
+        for cell in done:
+            files[cell].drop_carried()
     except BrokenPipeError:  # whoever reads --list has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    except (matrix.MatrixError, SettingsError, OSError) as error:
+    except (matrix.MatrixError, ResultsError, SettingsError, OSError) as error:
         print(f"deploy/experiment: {options.file}: {error}", file=sys.stderr)
         return 2
     begin = time.monotonic()
-    code = Runner(cells, files, _places(options), settings, outlets).run()
-    count = sum(files[cell].done() is not None for cell in cells)
-    print(f"{experiment.name}: {count} of {len(cells)} runs done, this time in "
-          f"{(time.monotonic() - begin) / 60:.0f} minutes; {shown(folder)}/")
+    code = Runner(files, done, _places(options), settings, outlets).run()
+    print(f"{experiment.name}: {len(done)} of {len(cells)} runs done, this time in "
+          f"{(time.monotonic() - begin) / 60:.0f} minutes; {shown(results.folder)}/")
     return code
 
 

@@ -1,10 +1,10 @@
-"""Where a cell's files lie, and what is written into results/.
+"""Where a cell's files lie while it is made, and what of them goes into results/.
 
-results/EXPERIMENT/CELL/ holds, once the cell is done: run.json (written last: what was run, where, and
-the digest of the weights), config.textproto, progress.csv, evaluation.csv. Until then it may hold
-unfinished/: checkpoints and the logs so far, from which the run goes on in any other checkout.
+Until the cell is done results/EXPERIMENT/CELL/unfinished/ may hold checkpoints and the logs so far, from which the
+run goes on in any other checkout; then it is one run of those in results/EXPERIMENT/ (result_files.py).
 """
 
+import contextlib
 import csv
 import io
 import json
@@ -16,8 +16,8 @@ import whole_files
 from options import is_run
 
 CHECKPOINT = re.compile(r"(\d{6,})\.ckpt")
-# Columns of one head each make up most of progress.csv; whoever wants them makes the run again.
-_OF_ONE_HEAD = re.compile(r".*_head\d+")
+# Those columns of progress.csv that go into results/; whoever wants the others makes the run again.
+_OF_CURVE = re.compile(r"steps|update|(return|success)(_.+)?|wall_seconds")
 EVALUATION_COLUMNS = ["steps", "update", "placements", "episodes", "success", "success_end", "return",
                       "time_to_success"]
 EVALUATION_FACTS = "evaluation.json"
@@ -38,17 +38,14 @@ def _read_json(path):
         return None
 
 
-def write_atomically(path, text):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    whole_files.write(path, text)
-
-
 class CellFiles:
     def __init__(self, cell, runs, results):
+        """@param results  ResultFiles of the cell's experiment."""
         self.name = cell.name
         self.run = runs / cell.experiment / cell.name
         self.runs = runs / cell.experiment
-        self.result = results / cell.experiment / cell.name
+        self.result = results.folder / cell.name
+        self.results = results
 
     # The run.
 
@@ -77,7 +74,7 @@ class CellFiles:
 
     def note_revision(self, revision):
         if revision not in self.revisions():
-            write_atomically(self.run / "revisions", "".join(f"{each}\n" for each in [*self.revisions(), revision]))
+            whole_files.write(self.run / "revisions", "".join(f"{each}\n" for each in [*self.revisions(), revision]))
 
     # Milestones' evaluations.
 
@@ -85,14 +82,14 @@ class CellFiles:
         """Keeps how the run's milestones are chosen and evaluated."""
         path = self.run / EVALUATION_FACTS
         if not path.exists():
-            write_atomically(path, json.dumps(facts) + "\n")
+            whole_files.write(path, json.dumps(facts) + "\n")
 
     def evaluated(self):
         """Rows so far, by (update, placements)."""
         try:
             with open(self._evaluation(), newline="") as file:
                 return {(int(row["update"]), row["placements"]): row for row in csv.DictReader(file)}
-        except OSError:
+        except FileNotFoundError:
             return {}
 
     def add_evaluation(self, row):
@@ -103,53 +100,29 @@ class CellFiles:
         writer.writeheader()
         for key in sorted(rows):
             writer.writerow(rows[key])
-        write_atomically(self._evaluation(), text.getvalue())
+        whole_files.write(self._evaluation(), text.getvalue())
 
     def _evaluation(self):
         return self.run / "evaluation.csv"
 
-    # Results.
-
-    def done(self):
-        """The contents of run.json, None while the cell is not done."""
-        return _read_json(self.result / "run.json")
-
     def made_by(self):
-        """Those settings of a cell, done or under way, that are known, by their names in run.json; and the
-        folder that they are known from."""
-        done = self.done()
-        if done is not None:
-            return self._told_by_results() | done, self.result
+        """Those settings of a cell under way that are known, by their names in runs.jsonl; and the folder that they
+        are known from."""
         folder = self.run if self.started() else self.result / "unfinished"
         return _read_json(folder / EVALUATION_FACTS) or {}, folder
 
-    def _told_by_results(self):
-        """Facts that run.json did not always have."""
-        with open(self.result / "evaluation.csv", newline="") as file:
-            rows = list(csv.DictReader(file))
-        config = (self.result / "config.textproto").read_text()
-        every = re.search(r"^\s*milestone_every: (\d+)$", config, re.M)
-        told = {"milestone_every": int(every[1])} if every else {}
-        if rows:
-            told |= {"evaluation_episodes": max(int(row["episodes"]) for row in rows),
-                     "evaluation_placements": sorted({row["placements"] for row in rows})}
-        return told
+    # Results.
 
     def publish(self, facts):
-        """Puts the finished run into results/, run.json last."""
+        """Puts the finished run into results/. @throws ResultsError, OSError: it may be called again."""
         config = (self.run / "config.textproto").read_text()
-        write_atomically(self.result / "config.textproto", config)
-        write_atomically(self.result / "progress.csv", self._compact_progress())
-        write_atomically(self.result / "evaluation.csv", self._evaluation().read_text())
-        write_atomically(self.result / "run.json", json.dumps(facts, indent=2) + "\n")
-        shutil.rmtree(self.result / "unfinished", ignore_errors=True)
+        self.results.publish({**facts, "config": config}, self._curve(), self.evaluated().values())
+        self.drop_carried()
 
-    def _compact_progress(self):
+    def _curve(self):
         with open(self.run / "progress.csv", newline="") as file:
-            header, *rows = csv.reader(file)
-        kept = [i for i, name in enumerate(header) if not _OF_ONE_HEAD.fullmatch(name)]
-        lines = (",".join(row[i] for i in kept) for row in (header, *rows))
-        return "\n".join(lines) + "\n"
+            return [{name: value for name, value in row.items() if _OF_CURVE.fullmatch(name)}
+                    for row in csv.DictReader(file)]
 
     # Carrying on elsewhere.
 
@@ -176,6 +149,12 @@ class CellFiles:
         shutil.rmtree(target, ignore_errors=True)
         os.replace(partial, target)
         return None
+
+    def drop_carried(self):
+        """Of a run that is done; a stop may have left it."""
+        shutil.rmtree(self.result / "unfinished", ignore_errors=True)
+        with contextlib.suppress(OSError):
+            self.result.rmdir()
 
     def fetch(self):
         """Makes the run's folder from what was carried. @return whether there was anything."""

@@ -29,7 +29,7 @@ class Settings:
         return shlex.join(["deploy/train", *cell.train_arguments(), "--mujoco", self.mujoco])
 
     def evaluation_facts(self, cell):
-        """When and how the cell is evaluated, as run.json says it."""
+        """When and how the cell is evaluated, as runs.jsonl says it."""
         return {"evaluation_seed": self.evaluation.seed, "evaluation_episodes": self.evaluation.episodes,
                 "evaluation_placements": sorted(self.evaluation.placements),
                 "milestone_every": self.milestone_every(cell)}

@@ -8,6 +8,7 @@ import subprocess
 import children
 import logs
 from folders import shown
+from result_files import ResultsError
 
 # Longer than deploy/train takes to stop a learner that hangs.
 TRAIN_STOP = ((signal.SIGINT, 120.0), (signal.SIGKILL, 10.0))
@@ -56,9 +57,9 @@ class Slot:
         self._under_way = False
 
     def advance(self):
-        """@return whether the cell got done. @throws CellFailed, or OSError: it may be called again."""
+        """@return the cell that got done, or None. @throws CellFailed, or OSError: it may be called again."""
         if self.free:
-            return False
+            return None
         if self.files.started():
             self.files.note_revision(self._settings.revision)
             self.files.note_evaluation(self._settings.evaluation_facts(self.cell))
@@ -72,11 +73,12 @@ class Slot:
             if code != 0:
                 self._fail(f"deploy/train ended with {code}")
         if self.training is not None or self.evaluation is not None or self._due():
-            return False
+            return None
         self._require_milestones(before=self._settings.updates_of(self.cell) + 1)
-        self.files.publish(self._facts())
+        self._publish()
+        done = self.cell
         self._clear()
-        return True
+        return done
 
     def carry(self):
         """To be called after stop_all(). @return None, or why the run cannot go on in another checkout."""
@@ -161,6 +163,12 @@ class Slot:
 
     # The end.
 
+    def _publish(self):
+        try:
+            self.files.publish(self._facts())
+        except ResultsError as error:  # a merge under way, say: the run stays as it is
+            self._fail(f"{error}; then start again")
+
     def _facts(self):
         cell, settings = self.cell, self._settings
         inspect = [str(settings.build / "bin" / "metronome-learner"), "inspect", "--json",
@@ -171,7 +179,7 @@ class Slot:
         held = json.loads(done.stdout)
         revisions = self.files.revisions()
         return {
-            "experiment": cell.experiment, "cell": cell.name, "task": cell.task, "arm": cell.arm,
+            "run": cell.name, "experiment": cell.experiment, "task": cell.task, "arm": cell.arm,
             "seed": cell.seed, "method": cell.method, "heads": held["heads"], "steps": held["steps"],
             "engine": held["engine"], "revision": revisions[0],
             "later_revisions": revisions[1:], "processor": settings.processor,

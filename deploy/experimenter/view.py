@@ -18,8 +18,10 @@ def _bar():
 
 
 class View:
-    def __init__(self, cells, files):
-        self._cells, self._files = cells, files
+    def __init__(self, files, done):
+        """@param files  cell to CellFiles.
+        @param done  those of the cells that are done, at any time."""
+        self._files, self._done = files, done
         self._begin, self._next = time.monotonic(), 0.0
         self._first = None  # steps of all cells when we began
         self._bar = _bar() if sys.stdout.isatty() else None
@@ -32,10 +34,10 @@ class View:
         if self._bar is None and time.monotonic() < self._next:
             return
         self._next = time.monotonic() + PLAIN_EVERY
-        steps, total = self._steps(), sum(cell.steps for cell in self._cells)
+        steps, total = self._steps(), sum(cell.steps for cell in self._files)
         if self._first is None:
             self._first = steps
-        count = f"{self._done_count()}/{len(self._cells)} runs"
+        count = f"{len(self._done)}/{len(self._files)} runs"
         now = ", ".join(f"{cell.name} {100 * self._files[cell].steps_done() // cell.steps} %"
                         for cell in running)
         rest = f"{self._left(steps, total)}  {now}"
@@ -58,12 +60,8 @@ class View:
         if self._bar is not None:
             self._bar.stop()
 
-    def _done_count(self):
-        return sum(self._files[cell].done() is not None for cell in self._cells)
-
     def _steps(self):
-        return sum(cell.steps if self._files[cell].done() is not None
-                   else self._files[cell].steps_done() for cell in self._cells)
+        return sum(cell.steps if cell in self._done else self._files[cell].steps_done() for cell in self._files)
 
     def _left(self, steps, total):
         rate = (steps - self._first) / max(1e-9, time.monotonic() - self._begin)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(1, str(ROOT / "deploy" / "launcher"))
+sys.path[1:1] = [str(ROOT / "deploy" / folder) for folder in ("launcher", "experimenter")]
 
 import cells  # noqa: E402
 import exchange  # noqa: E402
@@ -195,8 +195,8 @@ def main():
         parser.error(f"--only: no figure '{unknown[0]}'; there are: {', '.join((*wanted, *policies.NAMES))}")
     for name, found in experiments.items():
         print(summary(name, found))
-    for folder in unfinished:
-        print(f"  left out: {shown(folder)} is not finished (it has no run.json)")
+    for run in unfinished:
+        print(f"  left out: {run} is not finished (runs.jsonl has no line of it)")
     options.out.mkdir(parents=True, exist_ok=True)
     captions = draw_all(experiments, {name: draw for name, draw in wanted.items()
                                       if name in (options.only or wanted)}, options)

@@ -1,7 +1,6 @@
-"""The experiments' files under results/: one cell is one run, results/EXPERIMENT/TASK-ARM-sSEED/."""
+"""The experiments' finished runs under results/, from the files of deploy/experimenter/result_files.py: one cell is one
+run, TASK-ARM-sSEED."""
 
-import csv
-import json
 import math
 import re
 from dataclasses import dataclass, field
@@ -10,16 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from names import meant
+from result_files import DEFINITION, ResultFiles, ResultsError, read_rows
 
 PROGRESS = ("steps", "return", "success", "success_end", "wall_seconds")
 EVALUATION = ("steps", "success", "success_end", "return", "time_to_success")
-MAY_BE_EMPTY = {"time_to_success"}
+MAY_BE_EMPTY = {"time_to_success"}  # or lack in a whole file
 SHARES = {"success", "success_end"}
 REWARD_LIMIT = 10  # of one step, in every Meta-World task
-
-
-class ResultsError(Exception):
-    """A file under results/ cannot be used; the message names it and the remedy."""
 
 
 @dataclass(frozen=True)
@@ -59,107 +55,80 @@ def _number(text, column, where):
     return value
 
 
-def _check_last_line(path, number):
-    """A number that was cut is a number all the same."""
-    if not path.read_bytes().endswith(b"\n"):
-        raise ResultsError(f"{path}:{number}: the line does not end; the file was cut")
-
-
-def read_table(path, columns, keep=lambda row: True):
-    """@return those of the CSV file's `columns`, as arrays, from the rows that `keep`.
-    @throws ResultsError naming the file and the line of what is wrong."""
-    values, names = [], None
-    try:
-        with open(path, newline="", encoding="utf-8") as file:
-            reader = csv.reader(file)
-            names = next(reader, [])
-            missing = [column for column in columns if column not in names]
-            if missing:
-                raise ResultsError(f"{path}:1: there is no column {missing[0]}")
-            for row in reader:
-                where = f"{path}:{reader.line_num}"
-                if len(row) != len(names):
-                    raise ResultsError(f"{where}: {len(row)} fields where the first line names "
-                                       f"{len(names)}; the file is damaged or was cut")
-                record = dict(zip(names, row))
-                if keep(record):
-                    values.append([_number(record[column], column, where) for column in columns])
-                    if len(values) > 1 and values[-1][0] <= values[-2][0]:
-                        raise ResultsError(f"{where}: {columns[0]} does not grow")
-            _check_last_line(path, reader.line_num)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ResultsError(f"{path} cannot be read: {error}") from None
-    return dict(zip(columns, np.array(values, dtype=float).reshape(-1, len(columns)).T))
+def _read_tables(path, columns, by):
+    """@return table of `columns` for each combination of texts that rows have in the columns `by`.
+    @throws ResultsError naming the file and the line of what is wrong, OSError."""
+    values = {}
+    for where, row in read_rows(path, {*by, *columns} - MAY_BE_EMPTY):
+        rows = values.setdefault(tuple(row[column] for column in by), [])
+        rows.append([_number(row.get(column, ""), column, where) for column in columns])
+        if len(rows) > 1 and rows[-1][0] <= rows[-2][0]:
+            raise ResultsError(f"{where}: {columns[0]} does not grow within {row['run']}")
+    return {name: dict(zip(columns, np.array(rows, dtype=float).T)) for name, rows in values.items()}
 
 
 def _read_evaluations(path):
+    """Run to table, by placements."""
     if not path.exists():
         return {}
-    with open(path, newline="", encoding="utf-8", errors="replace") as file:
-        found = sorted({row["placements"] or "" for row in csv.DictReader(file) if "placements" in row})
     tables = {}
-    for placements in found:
-        table = read_table(path, EVALUATION, lambda row: row["placements"] == placements)
-        if len(table["steps"]):
-            tables[placements] = table
+    for (run, placements), table in _read_tables(path, EVALUATION, ("run", "placements")).items():
+        tables.setdefault(run, {})[placements] = table
     return tables
 
 
-def _read_json(path):
-    try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-        return {**record, "task": str(record["task"]), "arm": str(record["arm"]),
-                "seed": int(record["seed"]), "method": str(record["method"]),
-                "heads": int(record["heads"])}
-    except (OSError, ValueError) as error:
-        raise ResultsError(f"{path} cannot be read: {error}") from None
-    except (KeyError, TypeError) as error:
-        raise ResultsError(f"{path}: no usable entry {error}") from None
-
-
-def _read_horizon(path):
-    try:
-        match = re.search(r"^\s*horizon:\s*(\d+)", path.read_text(encoding="utf-8"), re.MULTILINE)
-    except OSError as error:
-        raise ResultsError(f"{path} cannot be read: {error}") from None
+def _horizon(facts):
+    match = re.search(r"^\s*horizon:\s*(\d+)", facts["config"], re.MULTILINE)
     if not match:
-        raise ResultsError(f"{path} does not name the horizon")
+        raise ValueError("its configuration does not name the horizon")
     return int(match[1])
 
 
-def read_cell(folder):
-    """@throws ResultsError."""
-    run = _read_json(folder / "run.json")
-    name = f"{run['task']}-{run['arm']}-s{run['seed']}"
-    if name != folder.name:
-        raise ResultsError(f"{folder}/run.json is that of {name}")
-    progress = read_table(folder / "progress.csv", PROGRESS)
-    if not len(progress["steps"]):
-        raise ResultsError(f"{folder}/progress.csv has no rows")
-    return Cell(
-        experiment=folder.parent.name, task=run["task"], arm=meant(run["arm"]), seed=run["seed"],
-        method=run["method"], heads=run["heads"],
-        horizon=_read_horizon(folder / "config.textproto"), progress=progress,
-        evaluations=_read_evaluations(folder / "evaluation.csv"))
+def _cell(files, facts, curves, evaluations):
+    run = facts["run"]
+    if run not in curves:
+        raise ResultsError(f"{files.progress_path(facts['task'])} has no rows of {run}, which is in {files.runs_path}: "
+                           "fetch both from git again, or repeat the run")
+    try:
+        return Cell(
+            experiment=files.folder.name, task=facts["task"], arm=meant(facts["arm"]), seed=facts["seed"],
+            method=str(facts["method"]), heads=int(facts["heads"]), horizon=_horizon(facts),
+            progress=curves[run], evaluations=evaluations.get(run, {}))
+    except KeyError as error:
+        raise ResultsError(f"{files.runs_path}: {run}: no usable entry {error}") from None
+    except (TypeError, ValueError) as error:
+        raise ResultsError(f"{files.runs_path}: {run}: {error}") from None
+
+
+def read_experiment(folder):
+    """@return (cells of its finished runs, by seed; names of the runs that are not finished). @throws ResultsError."""
+    files = ResultFiles(folder)
+    try:
+        runs = files.runs()
+        evaluations = _read_evaluations(files.evaluations_path)
+        curves = {}
+        for task in sorted({facts["task"] for facts in runs.values()}):
+            tables = _read_tables(files.progress_path(task), PROGRESS, ("run",))
+            curves |= {run: table for (run,), table in tables.items()}
+        begun = {path.parent.name for path in folder.glob("*/unfinished")}
+    except OSError as error:
+        raise ResultsError(f"{error.filename} cannot be read: {error.strerror}") from None
+    cells = [_cell(files, facts, curves, evaluations) for facts in runs.values()]
+    return sorted(cells, key=lambda cell: cell.seed), sorted({*begun, *evaluations, *curves} - {*runs})
 
 
 def read_results(results):
-    """@return (finished cells, by name of the experiment; folders of unfinished cells).
-    A cell is finished once it has run.json.
-    @throws ResultsError, also where there is no finished cell at all."""
+    """@return (cells of finished runs, by name of the experiment; EXPERIMENT/RUN of those that are not finished).
+    @throws ResultsError, also where there is no finished run at all."""
     results = Path(results)
     experiments, unfinished = {}, []
-    for definition in sorted(results.glob("*/experiment.toml")):
-        cells = []
-        for folder in sorted(path for path in definition.parent.iterdir() if path.is_dir()):
-            if (folder / "run.json").exists():
-                cells.append(read_cell(folder))
-            else:
-                unfinished.append(folder)
+    for definition in sorted(results.glob(f"*/{DEFINITION}")):
+        name = definition.parent.name
+        cells, begun = read_experiment(definition.parent)
+        unfinished += [f"{name}/{run}" for run in begun]
         if cells:
-            experiments[definition.parent.name] = sorted(cells, key=lambda cell: cell.seed)
+            experiments[name] = cells
     if not experiments:
-        raise ResultsError(f"{results}/ holds no finished run of an experiment: none has "
-                           "EXPERIMENT/experiment.toml and EXPERIMENT/CELL/run.json. "
-                           "deploy/experiment makes them")
+        raise ResultsError(f"{results}/ holds no finished run of an experiment: none has EXPERIMENT/{DEFINITION} and "
+                           "a line in EXPERIMENT/runs.jsonl. deploy/experiment makes them")
     return experiments, unfinished

@@ -1,14 +1,12 @@
-"""Invented results in the format of deploy/experiment, for tests alone; never written below results/."""
+"""Invented results, written as deploy/experiment does, for tests alone; never below results/."""
 
 import csv
-import json
 import math
 import random
 
+from result_files import ResultFiles
+
 TASKS = ("assembly", "bin-picking", "box-close", "push")
-COLUMNS = ("steps", "update", "episodes", "return", "success", "success_end", "kl", "fps", "wall_seconds")
-EVALUATION = ("steps", "update", "placements", "episodes", "success", "success_end", "return",
-              "time_to_success")
 
 
 def _write(path, columns, rows):
@@ -20,11 +18,8 @@ def _write(path, columns, rows):
 
 def cell(results, experiment, task, arm, seed, *, method="multihead", heads=10, updates=50,
          steps_per_update=40000, horizon=500, level=0.6, evaluations=4):
-    """One finished cell: a curve that rises towards `level`.  @return its folder."""
+    """One finished cell: a curve that rises towards `level`.  @return its experiment's ResultFiles."""
     rng = random.Random(f"{experiment} {task} {arm} {seed}")
-    folder = results / experiment / f"{task}-{arm}-s{seed}"
-    folder.mkdir(parents=True)
-    (results / experiment / "experiment.toml").write_text(f'name = "{experiment}"\n')
     reach, pace = min(0.98, max(0.02, rng.gauss(level, 0.12))), rng.uniform(5, 9)
 
     def share(i):
@@ -34,9 +29,9 @@ def cell(results, experiment, task, arm, seed, *, method="multihead", heads=10, 
     for i in range(1, updates + 1):
         success = min(1.0, max(0.0, round((share(i) + rng.gauss(0, 0.05)) * 16) / 16))
         progress.append({
-            "steps": i * steps_per_update, "update": i, "episodes": 16 * i,
+            "steps": i * steps_per_update, "update": i,
             "return": horizon * 10 * (0.04 + 0.8 * share(i)) * rng.uniform(0.93, 1.07),
-            "success": success, "success_end": success * 0.875, "kl": 0.01, "fps": 9000.0,
+            "success": success, "success_end": success * 0.875,
             "wall_seconds": i * rng.uniform(0.98, 1.02) * steps_per_update / 9000})
         if evaluations and i % (updates // evaluations) == 0:
             good = round(50 * min(1.0, 1.1 * share(i))) / 50
@@ -46,14 +41,12 @@ def cell(results, experiment, task, arm, seed, *, method="multihead", heads=10, 
                 "time_to_success": f"{rng.uniform(90, 160):.1f}" if good else ""})
     for before, after in zip(progress, progress[1:]):
         after["wall_seconds"] = max(after["wall_seconds"], before["wall_seconds"] + 0.1)
-    _write(folder / "progress.csv", COLUMNS, progress)
-    if evaluated:
-        _write(folder / "evaluation.csv", EVALUATION, evaluated)
-    (folder / "config.textproto").write_text(f"collection {{\n  horizon: {horizon}\n}}\n")
-    (folder / "run.json").write_text(json.dumps({
-        "experiment": experiment, "cell": folder.name, "task": task, "arm": arm, "seed": seed,
-        "method": method, "heads": heads, "steps": updates * steps_per_update}))
-    return folder
+    files = ResultFiles(results / experiment)
+    files.publish({
+        "run": f"{task}-{arm}-s{seed}", "experiment": experiment, "task": task, "arm": arm, "seed": seed,
+        "method": method, "heads": heads, "steps": updates * steps_per_update,
+        "config": f"collection {{\n  horizon: {horizon}\n}}\n"}, progress, evaluated)
+    return files
 
 
 ARMS = {"multihead": ("multihead", 10, 0.7), "ppo": ("ppo", 1, 0.45), "ppo-time": ("ppo-time", 1, 0.5)}

@@ -76,7 +76,8 @@ def test_only_tasks_with_enough_seeds_of_all_arms_are_averaged(tmp_path):
 
 
 def test_a_normalised_return_is_of_ten_a_step(tmp_path):
-    cell = cells.read_cell(synthetic.cell(tmp_path, "e", "push", "multihead", 1, horizon=100))
+    synthetic.cell(tmp_path, "e", "push", "multihead", 1, horizon=100)
+    (cell,) = read(tmp_path)["e"]
     assert scores.NORMALISED.of(cell) == pytest.approx(cell.progress["return"][-10:].mean() / 1000)
 
 
@@ -254,11 +255,10 @@ def test_the_table_of_heads_tells_the_trend_over_all_runs(tmp_path):
 
 
 def test_evaluations_on_other_placements_are_kept_apart(tmp_path):
-    folder = synthetic.cell(tmp_path, "main", "push", "multihead", 1)
-    path = folder / "evaluation.csv"
+    path = synthetic.cell(tmp_path, "main", "push", "multihead", 1).evaluations_path
     rows = path.read_text().splitlines()
     path.write_text("\n".join([rows[0], *(row.replace("random", place) for row in rows[1:]
                                           for place in ("mt1", "random"))]) + "\n")
-    cell = cells.read_cell(folder)
+    (cell,) = read(tmp_path)["main"]
     assert sorted(cell.evaluations) == ["mt1", "random"]
     assert len(cell.evaluations["random"]["steps"]) == 4

@@ -1,9 +1,7 @@
 """deploy/experiment: a matrix of runs, resumable at any instant."""
 
-import csv
 import errno
 import importlib.util
-import json
 import os
 import select
 import shlex
@@ -18,6 +16,7 @@ from harness import ACTOR, BUILD, DEADLINE, ENGINE, LEARNER, ROOT
 
 sys.path.insert(0, str(ROOT / "deploy" / "experimenter"))
 from cell_files import CellFiles  # noqa: E402
+from result_files import ResultFiles, read_rows  # noqa: E402
 
 EXPERIMENT = str(ROOT / "deploy" / "experiment")
 FILE = """
@@ -57,19 +56,27 @@ class Place:
         return self._stage.start(EXPERIMENT, self.file, "--build", build, "--runs", self.runs, "--results",
                                  self.results, "--domain", self._stage.domain, "--jobs", 1, *options)
 
-    def run_json(self, cell):
-        return json.loads((self.results / "small" / cell / "run.json").read_text())
+    @property
+    def made(self):
+        return ResultFiles(self.results / "small")
+
+    def facts(self, run):
+        return self.made.runs()[run]
+
+    def curve(self, run):
+        return [row for _, row in read_rows(self.made.progress_path("push")) if row["run"] == run]
+
+    def evaluations(self, run):
+        return [row for _, row in read_rows(self.made.evaluations_path) if row["run"] == run]
+
+    def evaluated(self, run):
+        return [(row["update"], row["placements"]) for row in self.evaluations(run)]
 
 
 def leave_what_a_killed_start_leaves(folder):
     folder.mkdir(parents=True)
     for name in ("lock", "incarnation"):
         (folder / name).write_text("1\n")
-
-
-def rows(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
 
 
 @pytest.mark.slow
@@ -79,18 +86,23 @@ def test_it_makes_every_cell_once(stage):
     first = place.start()
     assert first.wait() == 0, first
     assert "small: 2 of 2 runs done" in first.text, first
-    cell = place.results / "small" / "push-multihead-s7"
-    assert [int(row["steps"]) for row in rows(cell / "progress.csv")] == [200 * i for i in range(1, 9)]
-    assert not any("_head" in column for column in rows(cell / "progress.csv")[0])
-    evaluated = [(row["update"], row["placements"]) for row in rows(cell / "evaluation.csv")]
-    assert evaluated == [("4", "mt1"), ("4", "random"), ("8", "mt1"), ("8", "random")]
-    facts = place.run_json("push-multihead-s7")
+    left = sorted(str(path.relative_to(place.results)) for path in place.results.rglob("*"))
+    assert left == [f"small{name}" for name in (
+        "", "/evaluations.csv", "/experiment.toml", "/progress", "/progress/push.csv", "/runs.jsonl")]
+    curve = place.curve("push-multihead-s7")
+    assert [int(row["steps"]) for row in curve] == [200 * i for i in range(1, 9)]
+    assert list(curve[0]) == ["run", "steps", "update", "return", "success", "success_end", "wall_seconds"]
+    assert place.evaluated("push-multihead-s7") == [("4", "mt1"), ("4", "random"), ("8", "mt1"), ("8", "random")]
+    facts = place.facts("push-multihead-s7")
+    assert facts["config"] == (place.runs / "small" / "push-multihead-s7" / "config.textproto").read_text()
     assert facts["engine"].endswith(ENGINE) and len(facts["revision"].split("-")[0]) == 40
-    assert facts["weights_sha256"] != place.run_json("push-ppo-s7")["weights_sha256"]
-    # Another start has nothing to do; what is done shows.
+    assert facts["weights_sha256"] != place.facts("push-ppo-s7")["weights_sha256"]
+    # Another start has nothing to do but to remove what a kill may have left; what is done shows.
+    (place.made.folder / "push-ppo-s7" / "unfinished").mkdir(parents=True)
     again = place.start()
     assert again.wait() == 0, again
-    assert facts == place.run_json("push-multihead-s7")
+    assert facts == place.facts("push-multihead-s7")
+    assert not (place.made.folder / "push-ppo-s7").exists()
     listed = place.start("--list")
     assert listed.wait() == 0 and listed.text.count("done") == 2, listed
 
@@ -101,7 +113,7 @@ def test_runs_on_one_placement_are_evaluated_on_it(stage):
     place = Place(stage, text=text)
     made = place.start("--cells", "push-ppo-*")
     assert made.wait() == 0, made
-    *_, last = rows(place.results / "small" / "push-ppo-s7" / "evaluation.csv")
+    *_, last = place.evaluations("push-ppo-s7")
     assert (last["update"], last["placements"]) == ("8", "fixed")
     by_hand = stage.start(ACTOR, "evaluate", "--json", "--placements", "fixed", "--checkpoint",
                           place.runs / "small" / "push-ppo-s7" / "checkpoints" / "latest")
@@ -115,7 +127,7 @@ def test_a_cell_is_the_run_that_its_command_makes(stage):
     place = Place(stage)
     made = place.start("--cells", "push-ppo-*")
     assert made.wait() == 0, made
-    facts = place.run_json("push-ppo-s7")
+    facts = place.facts("push-ppo-s7")
     words = facts["command"].split()
     assert words[0] == "deploy/train"
     by_hand = stage.start(str(ROOT / words[0]), *words[1:], "--build", BUILD, "--runs", stage.runs,
@@ -138,12 +150,9 @@ def test_an_interrupted_experiment_goes_on_in_another_checkout(stage):
     resumed = cut.start("--cells", "push-multihead-*")
     assert resumed.wait() == 0, resumed
     assert not (cut.results / "small" / "push-multihead-s7" / "unfinished").exists()
-    assert cut.run_json("push-multihead-s7") == whole.run_json("push-multihead-s7")
-    for name in ("evaluation.csv", "config.textproto"):
-        files = [p.results / "small" / "push-multihead-s7" / name for p in (whole, cut)]
-        assert files[0].read_text() == files[1].read_text()
-    returns = [[row["return"] for row in rows(p.results / "small/push-multihead-s7/progress.csv")]
-               for p in (whole, cut)]
+    assert cut.facts("push-multihead-s7") == whole.facts("push-multihead-s7")
+    assert cut.evaluations("push-multihead-s7") == whole.evaluations("push-multihead-s7")
+    returns = [[row["return"] for row in p.curve("push-multihead-s7")] for p in (whole, cut)]
     assert returns[0] == returns[1] and len(returns[0]) == 80
 
 
@@ -178,21 +187,20 @@ def test_a_milestone_that_was_not_evaluated_is_evaluated_in_another_checkout(sta
     carried = result / "unfinished" / "checkpoints" / "000004.ckpt"
     assert sorted(p.name for p in carried.parent.iterdir()) == ["000004.ckpt", "000008.ckpt"]
     # What was evaluated so far does not mix with other evaluations, here or there.
-    expect_other_settings(place, *OTHER_SEED)
+    expect_other_settings(place, *OTHER_SEED, f"move {place.runs}/small/push-ppo-s7 away")
     shutil.rmtree(place.runs)
-    expect_other_settings(place, *OTHER_SEED)
+    expect_other_settings(place, *OTHER_SEED, f"move {result}/unfinished away")
     # Where it is lost, the cell is not taken for done.
     carried.rename(stage.runs.parent / "kept")
     lost = place.start("--cells", "push-ppo-*")
     assert lost.wait() == 1, lost
-    assert "push-ppo-s7: milestones at update 4 " in lost.text and not (result / "run.json").exists(), lost
+    assert "push-ppo-s7: milestones at update 4 " in lost.text and not place.made.runs(), lost
     shutil.rmtree(place.runs)
     (stage.runs.parent / "kept").rename(carried)
     leave_what_a_killed_start_leaves(place.runs / "small" / "push-ppo-s7")
     resumed = place.start("--cells", "push-ppo-*")
     assert resumed.wait() == 0, resumed
-    evaluated = [(row["update"], row["placements"]) for row in rows(result / "evaluation.csv")]
-    assert evaluated == [("4", "mt1"), ("4", "random"), ("8", "mt1"), ("8", "random")]
+    assert place.evaluated("push-ppo-s7") == [("4", "mt1"), ("4", "random"), ("8", "mt1"), ("8", "random")]
 
 
 @pytest.mark.parametrize("options, complaint", [
@@ -241,13 +249,13 @@ def test_a_file_that_cannot_be_right_is_refused_by_name(stage, old, new, complai
     assert not place.results.exists()
 
 
-def expect_other_settings(place, old, new, complaint):
+def expect_other_settings(place, old, new, complaint, remedy):
     asked = place.file.read_text()
     assert old in asked
     place.file.write_text(asked.replace(old, new))
     refused = place.start()
     assert refused.wait(60) == 2, refused
-    assert "-s7" in refused.text and "move it away" in refused.text, refused
+    assert "-s7 was made by" in refused.text and remedy in refused.text, refused
     assert complaint in refused.text, refused
     place.file.write_text(asked)
 
@@ -270,7 +278,7 @@ def test_a_file_of_an_editor_of_windows_is_read(stage):
 
 def test_a_run_whose_newest_checkpoint_is_lost_is_carried_all_the_same(tmp_path):
     cell = SimpleNamespace(experiment="small", name="cell")
-    files = CellFiles(cell, tmp_path / "runs", tmp_path / "results")
+    files = CellFiles(cell, tmp_path / "runs", ResultFiles(tmp_path / "results" / "small"))
     folder = tmp_path / "runs" / "small" / "cell" / "checkpoints"
     folder.mkdir(parents=True)
     (folder / "000003.ckpt").write_text("three")
@@ -280,20 +288,61 @@ def test_a_run_whose_newest_checkpoint_is_lost_is_carried_all_the_same(tmp_path)
     assert [path.name for path in carried.iterdir()] == ["000003.ckpt"]
 
 
+def test_curves_keep_what_is_drawn_and_what_is_of_each_task(tmp_path):
+    cell = SimpleNamespace(experiment="small", name="mt10-ppo-s1")
+    files = CellFiles(cell, tmp_path / "runs", ResultFiles(tmp_path / "results" / "small"))
+    files.run.mkdir(parents=True)
+    (files.run / "config.textproto").write_text("seed: 1\n")
+    (files.run / "progress.csv").write_text(
+        "steps,update,episodes,return,success,success_end,return_push,success_push,kl,kl_head0,wall_seconds,wall_envs\n"
+        "400,1,4,2e-04,0.5,0.25,-0.10,0,0.01,0.02,0.7,1\n")
+    files.publish({"run": cell.name, "task": "mt10", "arm": "ppo", "seed": 1})
+    assert files.results.progress_path("mt10").read_text() == (
+        "run,steps,update,return,success,success_end,return_push,success_push,wall_seconds\n"
+        "mt10-ppo-s1,400,1,2e-04,0.5,0.25,-0.10,0,0.7\n")
+
+
 @pytest.mark.slow
 def test_a_done_cell_of_other_settings_is_not_taken_for_the_one_asked(stage):
     place = Place(stage)
     assert place.start("--cells", "push-multihead-*").wait() == 0
     for change in (("heads = 5", "heads = 2", "--heads 5"), *OTHER_EVALUATION, OTHER_SEED):
-        expect_other_settings(place, *change)
-    # Cells of before run.json said all of this tell it by their evaluations.
-    facts = place.run_json("push-multihead-s7")
-    for key in ("evaluation_episodes", "evaluation_placements", "milestone_every"):
-        del facts[key]
-    (place.results / "small" / "push-multihead-s7" / "run.json").write_text(json.dumps(facts))
-    assert place.start("--cells", "push-multihead-*").wait() == 0
-    for change in OTHER_EVALUATION:
-        expect_other_settings(place, *change)
+        expect_other_settings(place, *change, f"remove its line from {place.made.runs_path}")
+
+
+def expect_damage(place, *options):
+    refused = place.start(*options)
+    assert refused.wait(60) == 2, refused
+    assert f"{place.made.runs_path}:1: not a run in JSON" in refused.text, refused
+
+
+def test_a_damaged_line_is_told_by_its_place(stage):
+    place = Place(stage)
+    place.made.folder.mkdir(parents=True)
+    place.made.runs_path.write_text("<<<<<<< HEAD\n")
+    expect_damage(place)
+    expect_damage(place, "--list")
+    assert place.made.runs_path.read_text() == "<<<<<<< HEAD\n"
+
+
+@pytest.mark.slow
+def test_a_run_that_meets_a_damaged_file_at_its_end_is_kept(stage):
+    place, held = Place(stage), HeldEvaluations(stage.runs.parent)
+    stopped = place.start("--cells", "push-ppo-*", build=held.build)
+    held.expect_trained()
+    stopped.signal(signal.SIGINT)
+    assert stopped.wait() == 128 + signal.SIGINT, stopped
+    place.made.progress_path("push").parent.mkdir()
+    place.made.progress_path("push").write_text("run,steps\n<<<<<<< HEAD\n")
+    failed = place.start("--cells", "push-ppo-*")
+    assert failed.wait() == 1, failed
+    assert f"push-ppo-s7: {place.made.progress_path('push')}:2: 1 fields" in failed.text, failed
+    assert not place.made.runs()
+    place.made.progress_path("push").unlink()
+    again = place.start("--cells", "push-ppo-*")
+    assert again.wait() == 0, again
+    assert len(place.curve("push-ppo-s7")) == 8
+    assert not (place.made.folder / "push-ppo-s7").exists()
 
 
 @pytest.mark.slow
@@ -306,7 +355,7 @@ def test_a_run_that_fails_is_named_and_the_others_are_made(stage):
     ended = place.start()
     assert ended.wait() == 1, ended
     assert "push-multihead-s7: deploy/train ended with" in ended.text, ended
-    assert place.run_json("push-ppo-s7")["arm"] == "ppo"
+    assert list(place.made.runs()) == ["push-ppo-s7"]
 
 
 @pytest.fixture
@@ -328,7 +377,7 @@ class FullDisk:
         self.tries, self.started = tries, []
 
     def advance(self):
-        return bool(self.started)
+        return self.started[0] if self.started else None
 
     def start(self, cell, files):
         self.tries -= 1
@@ -350,11 +399,6 @@ class NoEvents:
     drain = close = lambda self: None
 
 
-class NotDone:
-    def done(self):
-        return None
-
-
 class SaidBy:
     def __init__(self, said):
         self.note = said.append
@@ -366,8 +410,7 @@ def test_a_full_disk_is_waited_for_and_told_of_once(experimenter, monkeypatch):
     said = []
     monkeypatch.setattr(experimenter.children, "Events", NoEvents)
     monkeypatch.setattr(experimenter.view, "View", lambda *_: SaidBy(said))
-    files = {"cell": NotDone()}
-    runner = experimenter.Runner(["cell"], files, [], None, [])
+    runner = experimenter.Runner({"cell": None}, set(), [], None, [])
     slot = FullDisk(tries=4)
     runner._slots = [slot]
     assert runner.run() == 0

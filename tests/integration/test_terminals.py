@@ -138,7 +138,7 @@ def test_an_experiment_goes_on_unread_and_unstoppable_by_what_was_ignored(stage,
     stage.status("push-ppo-s7", "--wait", 60).expect(lambda line: '"version":' in line, "the run's state")
     experiment.send_signal(signal.SIGHUP)
     assert experiment.wait(100) == 0
-    assert (tmp_path / "results" / "small" / "push-ppo-s7" / "run.json").exists()
+    assert "push-ppo-s7" in (tmp_path / "results" / "small" / "runs.jsonl").read_text()
 
 
 @pytest.mark.slow
