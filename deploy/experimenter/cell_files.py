@@ -19,7 +19,7 @@ CHECKPOINT = re.compile(r"(\d{6,})\.ckpt")
 # Columns of one head each make up most of progress.csv; whoever wants them makes the run again.
 _OF_ONE_HEAD = re.compile(r".*_head\d+")
 EVALUATION_COLUMNS = ["steps", "update", "placements", "episodes", "success", "success_end", "return",
-                      "time_to_success"]
+                      "time_to_success", "success_200"]
 EVALUATION_FACTS = "evaluation.json"
 LARGEST_CARRIED = 1 << 20  # bytes of a checkpoint that is kept in the repository
 

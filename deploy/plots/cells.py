@@ -12,9 +12,10 @@ import numpy as np
 from names import meant
 
 PROGRESS = ("steps", "return", "success", "success_end", "wall_seconds")
-EVALUATION = ("steps", "success", "success_end", "return", "time_to_success")
-MAY_BE_EMPTY = {"time_to_success"}
-SHARES = {"success", "success_end"}
+EVALUATION = ("steps", "success", "success_end", "return", "time_to_success", "success_200")
+MAY_BE_MISSING = {"success_200"}  # from files that are older than it
+MAY_BE_EMPTY = {"time_to_success", *MAY_BE_MISSING}
+SHARES = {"success", "success_end", "success_200"}
 REWARD_LIMIT = 10  # of one step, in every Meta-World task
 
 
@@ -66,14 +67,14 @@ def _check_last_line(path, number):
 
 
 def read_table(path, columns, keep=lambda row: True):
-    """@return those of the CSV file's `columns`, as arrays, from the rows that `keep`.
+    """@return those of the CSV file's `columns`, as arrays, from the rows that `keep`; nan where there is no value.
     @throws ResultsError naming the file and the line of what is wrong."""
     values, names = [], None
     try:
         with open(path, newline="", encoding="utf-8") as file:
             reader = csv.reader(file)
             names = next(reader, [])
-            missing = [column for column in columns if column not in names]
+            missing = [column for column in columns if column not in (*names, *MAY_BE_MISSING)]
             if missing:
                 raise ResultsError(f"{path}:1: there is no column {missing[0]}")
             for row in reader:
@@ -83,7 +84,7 @@ def read_table(path, columns, keep=lambda row: True):
                                        f"{len(names)}; the file is damaged or was cut")
                 record = dict(zip(names, row))
                 if keep(record):
-                    values.append([_number(record[column], column, where) for column in columns])
+                    values.append([_number(record.get(column, ""), column, where) for column in columns])
                     if len(values) > 1 and values[-1][0] <= values[-2][0]:
                         raise ResultsError(f"{where}: {columns[0]} does not grow")
             _check_last_line(path, reader.line_num)

@@ -1,8 +1,10 @@
 """Reading results: what is there is used, what is damaged is named."""
 
+import numpy as np
 import pytest
 
 import cells
+import scores
 import synthetic
 
 
@@ -46,6 +48,15 @@ def test_no_results_at_all_say_what_to_do(tmp_path):
 def test_a_cell_without_evaluation_is_used(folder):
     (folder / "evaluation.csv").unlink()
     assert cells.read_cell(folder).evaluations == {}
+
+
+def test_evaluations_from_before_success_by_step_200_are_used(folder):
+    path = folder / "evaluation.csv"
+    assert scores.DETERMINISTIC_200.of(cells.read_cell(folder)) is not None
+    path.write_text("".join(line.rsplit(",", 1)[0] + "\n" for line in path.read_text().splitlines()))
+    cell = cells.read_cell(folder)
+    assert np.isnan(cell.evaluations["random"]["success_200"]).all()
+    assert scores.DETERMINISTIC_200.of(cell) is None and scores.DETERMINISTIC.of(cell) is not None
 
 
 @pytest.mark.parametrize("change, said", [
