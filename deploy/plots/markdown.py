@@ -16,6 +16,12 @@ def signed(number, share):
     return f"{number:+.2f}" if share else f"{number:+.0f}"
 
 
+def millions(steps):
+    found = {value / 1e6 for value in steps}
+    low, high = min(found), max(found)
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
 def estimate_text(estimate, share, number=value):
     point = number(estimate.value, share)
     if estimate.low is None:

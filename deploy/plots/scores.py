@@ -39,6 +39,14 @@ NORMALISED = Score("normalised return",
                    lambda cell: RETURN.of(cell) / cell.largest_return, True)
 
 
+def _deterministic_normalised(cell):
+    value = DETERMINISTIC_RETURN.of(cell)
+    return None if value is None else value / cell.largest_return
+
+
+DETERMINISTIC_NORMALISED = Score("deterministic normalised return", _deterministic_normalised, True)
+
+
 def select(cells, task=None, arm=None):
     return [cell for cell in cells if task in (None, cell.task) and arm in (None, cell.arm)]
 

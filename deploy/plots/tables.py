@@ -33,14 +33,14 @@ def _ends(cells):
         for arm in arms:
             own = scores.select(cells, task, arm)
             if own:
-                row = [task, names.label_of(arm, cells), str(len(own)), _millions(cell.steps for cell in own)]
+                row = [task, names.label_of(arm, cells), str(len(own)), markdown.millions(cell.steps for cell in own)]
                 rows.append(row + [_iqm_text([list(scores.by_seed(own, score).values())], score)
                                    for score in _ENDS])
     shared = scores.shared_tasks(cells, tasks, arms, scores.RETURN)
     for arm in arms if len(shared) > 1 else []:
         counts = [len(scores.select(cells, task, arm)) for task in shared]
         row = [f"{len(shared)} tasks", names.label_of(arm, cells), scores.seeds_text(counts),
-               _millions(cell.steps for cell in scores.select(cells, arm=arm) if cell.task in shared)]
+               markdown.millions(cell.steps for cell in scores.select(cells, arm=arm) if cell.task in shared)]
         rows.append(row + [_iqm_text(scores.by_task(cells, arm, shared, score), score) for score in
                            (scores.NORMALISED, *_ENDS[1:])])
     header = (" task", " arm", "seeds", "steps (M)", "return", "success, noise", "at the last step",
@@ -51,12 +51,6 @@ def _ends(cells):
                  f"those enter of which every arm has at least {estimates.FEWEST} seeds (or any, where no task has so "
                  "many); of seeds, as many of each task as the one with the fewest has.")
     return text
-
-
-def _millions(steps):
-    found = {value / 1e6 for value in steps}
-    low, high = min(found), max(found)
-    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
 def final(experiments):
@@ -226,7 +220,7 @@ def public(experiments):
         for task in names.tasks_of(cells):
             for arm in names.arms_of(scores.select(cells, task)):
                 own = scores.select(cells, task, arm)
-                rows.append([task, f"{names.label_of(arm, own)} ({name})", _millions(cell.steps for cell in own)]
+                rows.append([task, f"{names.label_of(arm, own)} ({name})", markdown.millions(cell.steps for cell in own)]
                             + [_iqm_text([list(scores.by_seed(own, score).values())], score)
                                for score in (scores.DETERMINISTIC, scores.RETURN)])
     if not rows:
