@@ -47,7 +47,7 @@ def by_task(cells, experts):
         rows.append(row + _expert_columns(experts.get(task)) if experts else row)
     counts = [len(scores.select(cells, task, arm)) for task in names.tasks_of(cells) for arm in arms]
     return markdown.table(header, rows) + (
-        f"\n\n{tasks_text(cells)[0].upper()}{tasks_text(cells)[1:]}; means over {scores.seeds_text(counts)} seeds. "
+        f"\n\n{tasks_text(cells)[0].upper()}{tasks_text(cells)[1:]}; means over seeds ({scores.seeds_text(counts)} an arm). "
         f"{_EVALUATED} " + (_EXPERT if experts else _NO_EXPERT) + " Published results of all tasks are means over them.")
 
 

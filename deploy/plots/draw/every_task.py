@@ -37,7 +37,7 @@ def fifty(experiments):
         ax.set_visible(False)
     for ax in axes.flat[len(tasks) - columns:len(tasks)]:
         ax.tick_params(labelbottom=True)
-    figure.supxlabel("environment steps (millions)", fontsize=10)
+        ax.set_xlabel("steps (millions)", fontsize=9)
     figure.supylabel("success", fontsize=10)
     style.legend(figure, style.arm_handles(cells, arms) + [
         style.grey_handle("under training noise"), style.grey_handle("mean action", marker="o", linewidth=0)])
@@ -127,7 +127,6 @@ def _mark_of_ends(ax, y, ends):
 def _finish_axis(ax, label):
     ax.axvline(0, color="black", linewidth=0.9)
     ax.set_xlabel(label)
-    ax.grid(visible=False, axis="y")
     ax.tick_params(axis="y", length=0)
 
 
