@@ -23,23 +23,27 @@ namespace metronome::play {
 namespace {
 
 constexpr std::int32_t kEpisodes = 50;
+constexpr std::int32_t kPublishedSteps = 200;
 
 void Summarise(Evaluation& evaluation) {
   const auto count = static_cast<double>(evaluation.episodes.size());
   std::int64_t successes = 0;
   std::int64_t successes_end = 0;
+  std::int64_t successes_200 = 0;
   std::int64_t steps = 0;
   std::int64_t length = 0;
   double returns = 0;
   for (const EvaluatedEpisode& episode : evaluation.episodes) {
     successes += episode.success ? 1 : 0;
     successes_end += episode.success_end ? 1 : 0;
+    successes_200 += episode.success && episode.steps_to_success <= kPublishedSteps ? 1 : 0;
     steps += episode.steps_to_success;
     length += episode.length;
     returns += episode.episode_return;
   }
   evaluation.success = static_cast<double>(successes) / count;
   evaluation.success_end = static_cast<double>(successes_end) / count;
+  evaluation.success_200 = static_cast<double>(successes_200) / count;
   evaluation.mean_return = returns / count;
   evaluation.mean_length = static_cast<double>(length) / count;
   if (successes > 0) {
@@ -176,6 +180,7 @@ void AddFigures(const Evaluation& evaluation, bool has_success, nlohmann::ordere
   json["success_low"] = success(evaluation.success_low);
   json["success_high"] = success(evaluation.success_high);
   json["success_end"] = success(evaluation.success_end);
+  json["success_200"] = success(evaluation.success_200);
   json["return"] = evaluation.mean_return;
   json["length"] = evaluation.mean_length;
   json["time_to_success"] = nullptr;
@@ -244,7 +249,8 @@ void PrintText(const std::vector<Evaluation>& evaluations, const Report& report,
   if (environment.spec().has_success()) {
     out << "success      " << evaluation.success << "  (95 % interval " << evaluation.success_low
         << " to " << evaluation.success_high << ")\n"
-        << "success_end  " << evaluation.success_end << '\n';
+        << "success_end  " << evaluation.success_end << '\n'
+        << "success_200  " << evaluation.success_200 << '\n';
   }
   out << "return       " << evaluation.mean_return << '\n';
   if (environment.spec().may_end_early()) {

@@ -44,6 +44,7 @@ struct Evaluation {
   double success_low = 0;  // 95 % Wilson score interval of that share
   double success_high = 0;
   double success_end = 0;
+  double success_200 = 0;  // by step 200, where published evaluations of Meta-World end
   double mean_return = 0;
   double mean_length = 0;  // steps
   /// Mean of steps_to_success over the episodes that succeeded; none if none did.

@@ -19,7 +19,7 @@ CHECKPOINT = re.compile(r"(\d{6,})\.ckpt")
 # Those columns of progress.csv that go into results/; whoever wants the others makes the run again.
 _OF_CURVE = re.compile(r"steps|update|(return|success)(_.+)?|wall_seconds")
 EVALUATION_COLUMNS = ["steps", "update", "placements", "episodes", "success", "success_end", "return",
-                      "time_to_success"]
+                      "time_to_success", "success_200"]
 EVALUATION_FACTS = "evaluation.json"
 LARGEST_CARRIED = 1 << 20  # bytes of a checkpoint that is kept in the repository
 

@@ -157,7 +157,8 @@ class Slot:
             "steps": report["steps"], "update": self._evaluating[0],
             "placements": self._evaluating[1], "episodes": report["episodes"],
             "success": report["success"], "success_end": report["success_end"],
-            "return": report["return"], "time_to_success": "" if time is None else time}
+            "return": report["return"], "time_to_success": "" if time is None else time,
+            "success_200": report["success_200"]}
         self._note(f"{self.cell.name}: success {report['success']:.2f}, return {report['return']:.0f} of "
                    f"the mean action at {report['steps']} steps ({self._evaluating[1]})")
 

@@ -16,6 +16,9 @@ sys.path[1:1] = [str(ROOT / "deploy" / folder) for folder in ("launcher", "exper
 
 import cells  # noqa: E402
 import exchange  # noqa: E402
+import experts  # noqa: E402
+import fifty  # noqa: E402
+import markdown  # noqa: E402
 import policies  # noqa: E402
 import scores  # noqa: E402
 import stops  # noqa: E402
@@ -23,7 +26,7 @@ import style  # noqa: E402
 import tables  # noqa: E402
 import terminal  # noqa: E402
 import whole_files  # noqa: E402
-from draw import blocks, controls, efficiency, final, heads, learning  # noqa: E402
+from draw import blocks, controls, efficiency, every_task, final, heads, learning  # noqa: E402
 from folders import shown, writable  # noqa: E402
 from names import arms_of, tasks_of  # noqa: E402
 
@@ -31,12 +34,14 @@ FIGURES = {
     "main": learning.main, "main-success": learning.main_success, "ablation": learning.ablation,
     "final": final.final, "heads": heads.heads, "controls": controls.controls,
     "efficiency": efficiency.efficiency, "wallclock": learning.wallclock, "solve": learning.solve,
+    "fifty": every_task.fifty, "fifty-difference": every_task.fifty_difference,
 }
 # Both a figure and a table, of policies instead of runs.
 EXCHANGE = "exchange"
 NAMES = (*FIGURES, EXCHANGE, *policies.NAMES)
+TABLES = (*tables.TABLES, *fifty.NAMES, EXCHANGE)
 # Experiments whose curves have figures of their own; all others get NAME-curves.
-_OWN_CURVES = ("main", "solve")
+_OWN_CURVES = ("main", "solve", every_task.EXPERIMENT)
 
 
 def parse_arguments():
@@ -116,14 +121,14 @@ def seed_counts(found):
 
 
 def contents(experiments):
-    """The data of the page: seeds of each task and arm."""
+    """The data of the page: seeds of each task and arm, the longer list of the two downwards."""
     parts = []
     for name, found in experiments.items():
-        tasks, counts = tasks_of(found), seed_counts(found)
-        lines = [f"| {name} | " + " | ".join(tasks) + " |", "| --- |" + " ---: |" * len(tasks)]
-        lines += [f"| {arm} | " + " | ".join(str(counts.get((task, arm), 0)) for task in tasks) + " |"
-                  for arm in arms_of(found)]
-        parts.append("\n".join(lines))
+        counts = seed_counts(found)
+        across, down = sorted((tasks_of(found), arms_of(found)), key=len)
+        rows = [[row, *(str(counts.get((row, column), counts.get((column, row), 0))) for column in across)]
+                for row in down]
+        parts.append(markdown.table((f" {name}", *across), rows))
     return "\n\n".join(parts)
 
 
@@ -145,7 +150,7 @@ def write_page(path, experiments, captions, made, suffix):
 def unknown_mark(page):
     """@return a mark of the page that nothing would ever fill, or None."""
     for kind, name in re.findall(r"<!-- (table|figure) (.*?) -->", page.read_text(encoding="utf-8")):
-        known = (*tables.TABLES, EXCHANGE) if kind == "table" else NAMES
+        known = TABLES if kind == "table" else NAMES
         if name not in known and not (kind == "figure" and name.endswith("-curves")):
             return f"<!-- {kind} {name} -->"
     return None
@@ -182,10 +187,11 @@ def main():
         parser.error(f"--page: there is no file {options.page}")
     if options.page and unknown_mark(options.page):
         parser.error(f"--page: {options.page} has {unknown_mark(options.page)}; there are figures "
-                     f"{', '.join(NAMES)}, EXPERIMENT-curves, and tables {', '.join((*tables.TABLES, EXCHANGE))}")
+                     f"{', '.join(NAMES)}, EXPERIMENT-curves, and tables {', '.join(TABLES)}")
     try:
         experiments, unfinished = cells.read_results(options.results)
         exchanges = exchange.found(options.results)
+        scripted = experts.found(policies.renderer(ROOT)) if every_task.EXPERIMENT in experiments else {}
     except cells.ResultsError as error:
         print(f"deploy/figures: {error}", file=sys.stderr)
         return 2
@@ -208,6 +214,7 @@ def main():
     made = {}
     if not options.only:
         made = {name: table(experiments) for name, table in tables.TABLES.items()}
+        made |= fifty.tables(experiments, scripted)
         made[EXCHANGE] = tables.exchanges(exchanges)
         made = {name: table for name, table in made.items() if table is not None}
         write_page(options.out / "README.md", experiments, captions, made, options.format)

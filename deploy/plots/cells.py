@@ -12,9 +12,9 @@ from names import meant
 from result_files import DEFINITION, ResultFiles, ResultsError, read_rows
 
 PROGRESS = ("steps", "return", "success", "success_end", "wall_seconds")
-EVALUATION = ("steps", "success", "success_end", "return", "time_to_success")
-MAY_BE_EMPTY = {"time_to_success"}  # or lack in a whole file
-SHARES = {"success", "success_end"}
+EVALUATION = ("steps", "success", "success_end", "return", "time_to_success", "success_200")
+MAY_BE_EMPTY = {"time_to_success", "success_200"}  # or lack in a whole file
+SHARES = {"success", "success_end", "success_200"}
 REWARD_LIMIT = 10  # of one step, in every Meta-World task
 
 

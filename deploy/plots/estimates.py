@@ -9,7 +9,7 @@ Every resampling starts from the same fixed seed, so that the same scores give t
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.stats
@@ -31,6 +31,16 @@ class Estimate:
     low: float | None
     high: float | None
     seeds: int  # of each task, where there are several
+
+
+@dataclass(frozen=True)
+class Signs:
+    """In how many tasks one arm is better than another."""
+
+    better: int
+    worse: int
+    equal: int
+    p: float | None  # two-sided binomial test of the tasks that differ, exact; None where none does
 
 
 @dataclass(frozen=True)
@@ -85,6 +95,14 @@ def iqm(by_task):
     """@param by_task  a list of scores, one each seed, for each task.
     @return the interquartile mean over all, resampled within each task (see `matrix`)."""
     return _estimate(interquartile_mean, matrix(by_task))
+
+
+def iqm_over_tasks(by_task):
+    """As `iqm`; where seeds are too few for an interval, the tasks' means are resampled in place of runs."""
+    estimate = iqm(by_task)
+    if estimate.low is not None:
+        return estimate
+    return replace(iqm([[np.mean(scores) for scores in by_task]]), seeds=estimate.seeds)
 
 
 def probability_of_improvement(x_by_task, y_by_task):
@@ -142,6 +160,20 @@ def pooled_difference(x_by_task, y_by_task):
     pairs = [[x[seed] - y[seed] for seed in sorted(x.keys() & y.keys())] for x, y in zip(x_by_task, y_by_task)]
     counted = [task for task in pairs if len(task) >= FEWEST] or [task for task in pairs if task]
     return (_estimate(np.mean, matrix(counted)), len(counted)) if len(counted) > 1 else None
+
+
+def signs(differences):
+    """@param differences  of two arms, one each task."""
+    better, worse, equal = (int(np.sum(np.sign(np.round(differences, 9)) == sign)) for sign in (1, -1, 0))
+    p = scipy.stats.binomtest(better, better + worse).pvalue if better + worse else None
+    return Signs(better, worse, equal, p)
+
+
+def contrast(x, y):
+    """@param x, y  values of one group of tasks and of another.
+    @return (mean of x less that of y, two-sided p of the permutation test or None where a group is too small)."""
+    x, y = np.array(x, dtype=float), np.array(y, dtype=float)
+    return float(x.mean() - y.mean()), _permutation_test(x, y)
 
 
 def _mean_difference(x, y, axis):

@@ -1,5 +1,6 @@
 """The scores by which runs are compared."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -11,7 +12,8 @@ from cells import Cell
 def _last_evaluation(column):
     def score(cell):
         table = cell.evaluations.get("random")
-        return float(table[column][-1]) if table else None
+        value = float(table[column][-1]) if table else math.nan
+        return value if math.isfinite(value) else None
 
     return score
 
@@ -30,10 +32,19 @@ SUCCESS_END = Score("success at the last step, under noise",
 DETERMINISTIC = Score("deterministic success", _last_evaluation("success"), True)
 DETERMINISTIC_END = Score("deterministic success at the last step",
                           _last_evaluation("success_end"), True)
+DETERMINISTIC_200 = Score("deterministic success by step 200", _last_evaluation("success_200"), True)
 DETERMINISTIC_RETURN = Score("deterministic return", _last_evaluation("return"), False)
 COMPARED = (RETURN, SUCCESS, DETERMINISTIC)  # of arms, where a figure or table has room for few
 NORMALISED = Score("normalised return",
                    lambda cell: RETURN.of(cell) / cell.largest_return, True)
+
+
+def _deterministic_normalised(cell):
+    value = DETERMINISTIC_RETURN.of(cell)
+    return None if value is None else value / cell.largest_return
+
+
+DETERMINISTIC_NORMALISED = Score("deterministic normalised return", _deterministic_normalised, True)
 
 
 def select(cells, task=None, arm=None):

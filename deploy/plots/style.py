@@ -43,6 +43,11 @@ def handle(look, label=None, **options):
     return Line2D([], [], color=look.colour, label=label or look.label, **options)
 
 
+def grey_handle(label, **options):
+    """Of what is the same for all arms."""
+    return Line2D([], [], color=GREY, label=label, **{"linewidth": 2.2, **options})
+
+
 def legend(figure, handles, most_columns=5):
     """One for the whole figure, below it, in as many columns as its width allows."""
     for columns in range(min(len(handles), most_columns), 0, -1):

@@ -5,6 +5,7 @@ import numpy as np
 
 import curves
 import estimates
+import markdown
 import names
 import published
 import scores
@@ -17,30 +18,8 @@ MEANING = ("Under noise: mean of the last 10 updates of a run; deterministic: it
 NEEDED = 0.9  # of the policy's own return
 
 
-def _table(header, rows):
-    """Numbers to the right: all but the columns whose header begins with a space."""
-    lines = ["| " + " | ".join(name.strip() for name in header) + " |",
-             "| " + " | ".join("---" if name.startswith(" ") else "---:" for name in header) + " |"]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
-
-
-def _value(number, share):
-    return f"{number:.2f}" if share else f"{number:.0f}"
-
-
-def _signed(number, share):
-    return f"{number:+.2f}" if share else f"{number:+.0f}"
-
-
-def _estimate_text(estimate, share, number=_value):
-    value = number(estimate.value, share)
-    if estimate.low is None:
-        return f"{value} (too few)"
-    return f"{value} ({number(estimate.low, share)} to {number(estimate.high, share)})"
-
-
 def _iqm_text(by_task, score):
-    return _estimate_text(estimates.iqm(by_task), score.share) if all(by_task) else "–"
+    return markdown.estimate_text(estimates.iqm(by_task), score.share) if all(by_task) else "–"
 
 
 _ENDS = (scores.RETURN, scores.SUCCESS, scores.SUCCESS_END, scores.DETERMINISTIC, scores.DETERMINISTIC_END)
@@ -54,30 +33,24 @@ def _ends(cells):
         for arm in arms:
             own = scores.select(cells, task, arm)
             if own:
-                row = [task, names.label_of(arm, cells), str(len(own)), _millions(cell.steps for cell in own)]
+                row = [task, names.label_of(arm, cells), str(len(own)), markdown.millions(cell.steps for cell in own)]
                 rows.append(row + [_iqm_text([list(scores.by_seed(own, score).values())], score)
                                    for score in _ENDS])
     shared = scores.shared_tasks(cells, tasks, arms, scores.RETURN)
     for arm in arms if len(shared) > 1 else []:
         counts = [len(scores.select(cells, task, arm)) for task in shared]
         row = [f"{len(shared)} tasks", names.label_of(arm, cells), scores.seeds_text(counts),
-               _millions(cell.steps for cell in scores.select(cells, arm=arm) if cell.task in shared)]
+               markdown.millions(cell.steps for cell in scores.select(cells, arm=arm) if cell.task in shared)]
         rows.append(row + [_iqm_text(scores.by_task(cells, arm, shared, score), score) for score in
                            (scores.NORMALISED, *_ENDS[1:])])
     header = (" task", " arm", "seeds", "steps (M)", "return", "success, noise", "at the last step",
               "success, deterministic", "at the last step")
-    text = _table(header, rows) + f"\n\nInterquartile means over seeds. {MEANING} {INTERVAL}"
+    text = markdown.table(header, rows) + f"\n\nInterquartile means over seeds. {MEANING} {INTERVAL}"
     if len(shared) > 1:
         text += (" Over tasks, returns are divided by the largest possible one (10 a step, 5000 an episode). Of tasks, "
                  f"those enter of which every arm has at least {estimates.FEWEST} seeds (or any, where no task has so "
                  "many); of seeds, as many of each task as the one with the fewest has.")
     return text
-
-
-def _millions(steps):
-    found = {value / 1e6 for value in steps}
-    low, high = min(found), max(found)
-    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
 def final(experiments):
@@ -100,10 +73,10 @@ def improvement(experiments):
             x, y = (scores.by_task(cells, name, shared, score) for name in ("multihead", arm))
             estimate = estimates.probability_of_improvement(x, y)
             rows.append([names.label_of(arm, cells), score.label, str(len(shared)), str(estimate.seeds),
-                         _estimate_text(estimate, True)])
+                         markdown.estimate_text(estimate, True)])
     if not rows:
         return None
-    return _table((" multi-head over", " score at the end", "tasks", "seeds", "probability"), rows) + (
+    return markdown.table((" multi-head over", " score at the end", "tasks", "seeds", "probability"), rows) + (
         "\n\nProbability that a run of multi-head scores higher than one of the other arm on the same task, ties "
         f"counted half, averaged over the tasks. {INTERVAL} An interval of no width says that all runs of one arm were "
         "better than all of the other, not that this is certain.")
@@ -124,7 +97,8 @@ def _difference_row(task, cells, against):
         found = estimates.difference(x, y)
         seeds = seeds or "{}, {}".format(*found.seeds)
         interval = interval or ("paired" if found.paired else "unpaired")
-        row += [_estimate_text(found.estimate, score.share, _signed), "–" if found.p is None else f"{found.p:.3f}"]
+        row += [markdown.estimate_text(found.estimate, score.share, markdown.signed),
+                "–" if found.p is None else f"{found.p:.3f}"]
     return [task, seeds, interval, *row]
 
 
@@ -143,8 +117,8 @@ def _difference_table(header, rows, preface=""):
     """@param header  of what stands before _DIFFERENCE_COLUMNS in each row."""
     if not rows:
         return None
-    table, tests = _table((*header, *_DIFFERENCE_COLUMNS), rows), _test_text([row[len(header):] for row in rows])
-    return f"{table}\n\n{preface}{_DIFFERENCE}{tests}"
+    tests = _test_text([row[len(header):] for row in rows])
+    return f"{markdown.table((*header, *_DIFFERENCE_COLUMNS), rows)}\n\n{preface}{_DIFFERENCE}{tests}"
 
 
 def _difference_rows(compared):
@@ -153,7 +127,7 @@ def _difference_rows(compared):
     rows, over_all, names_of = [_difference_row(*each) for each in compared], [], []
     for score in scores.COMPARED:
         found = estimates.pooled_difference(*([scores.by_seed(each[i], score) for each in compared] for i in (1, 2)))
-        over_all += [_estimate_text(found[0], score.share, _signed) if found else "–", "–"]
+        over_all += [markdown.estimate_text(found[0], score.share, markdown.signed) if found else "–", "–"]
         names_of += [f"{found[1]} tasks", str(found[0].seeds)] if found else []
     return rows + ([[*names_of[:2], "paired", *over_all]] if names_of else [])
 
@@ -191,10 +165,10 @@ def time_to_success(experiments):
                 found = [value for value in last if np.isfinite(value)]
                 if found:
                     rows.append([name, task, names.label_of(arm, cells), f"{len(found)} of {len(own)}",
-                                 _estimate_text(estimates.iqm([found]), False)])
+                                 markdown.estimate_text(estimates.iqm([found]), False)])
     if not rows:
         return None
-    return _table((" experiment", " task", " arm", "seeds with successes", "steps"), rows) + (
+    return markdown.table((" experiment", " task", " arm", "seeds with successes", "steps"), rows) + (
         "\n\nSteps of an episode until its first success, mean over the successful episodes of the last "
         f"deterministic evaluation; interquartile mean over the runs that have successes. {INTERVAL}")
 
@@ -232,7 +206,7 @@ def reach(experiments):
         return None
     header = (" experiment", " task", " arm", " success", *(f"M steps to {threshold}" for threshold in
               efficiency.THRESHOLDS), f"minutes to {efficiency.THRESHOLDS[-1]}")
-    return _table(header, rows) + (
+    return markdown.table(header, rows) + (
         "\n\nMedians over all seeds, those that never got there counted as later; in brackets: how many got there. "
         "Deterministic: the first milestone; under noise: the first mean over 10 updates. Minutes are wall-clock "
         "time of runs that shared a machine of 2 cores with others.")
@@ -246,7 +220,7 @@ def public(experiments):
         for task in names.tasks_of(cells):
             for arm in names.arms_of(scores.select(cells, task)):
                 own = scores.select(cells, task, arm)
-                rows.append([task, f"{names.label_of(arm, own)} ({name})", _millions(cell.steps for cell in own)]
+                rows.append([task, f"{names.label_of(arm, own)} ({name})", markdown.millions(cell.steps for cell in own)]
                             + [_iqm_text([list(scores.by_seed(own, score).values())], score)
                                for score in (scores.DETERMINISTIC, scores.RETURN)])
     if not rows:
@@ -261,7 +235,7 @@ def public(experiments):
             rows.append([task, "APPO of Sample Factory", f"{published.APPO_STEPS / 1e6:g}", "–",
                          str(published.APPO_RETURN[task])])
     rows.sort(key=lambda row: tasks.index(row[0]))
-    return _table((" task", " who", "steps (M)", "success, deterministic", "return"), rows) + (
+    return markdown.table((" task", " who", "steps (M)", "success, deterministic", "return"), rows) + (
         "\n\nOthers' results are published ones (SAC and TD-MPC2: means of 3 seeds by the authors of TD-MPC2), "
         f"on their own settings of the tasks. {INTERVAL}")
 
@@ -288,8 +262,8 @@ def head_sweep(experiments):
         rows.append([task, "trend", "–", str(runs), *(_trend_text(sweep, score) for score in scores.COMPARED)])
     if not rows:
         return None
-    return _table((" task", "k", " experiment", "seeds", "return", "success, noise", "success, deterministic"),
-                  rows) + (
+    header = (" task", "k", " experiment", "seeds", "return", "success, noise", "success, deterministic")
+    return markdown.table(header, rows) + (
         f"\n\nInterquartile means over seeds at the end. {MEANING} {INTERVAL} Trend: Spearman's rank correlation of "
         "k with the score over all runs of the task, p of its two-sided permutation test.")
 
@@ -330,7 +304,7 @@ def exchanges(found):
         row = [task]
         for values, share in ((policy.success, True), (policy.success_end, True), (policy.returns, False)):
             others, own = policy.of_others(values)
-            row += [_value(own, share), _value(others.mean(), share), _value(values[-1].max(), share)]
+            row += [markdown.value(number, share) for number in (own, others.mean(), values[-1].max())]
         # Of a block, the best of the other heads: what no other head makes up for.
         others, own = policy.of_others(policy.returns)
         needed = [block for block, best in enumerate(others.max(axis=1)) if best < NEEDED * own]
@@ -340,7 +314,7 @@ def exchanges(found):
     for score in ("success", "at the last step", "return"):
         header += [score, "exchanged", "one head"]
     header += [" blocks that need their head", " blocks that do not"]
-    return _table(header, rows) + (
+    return markdown.table(header, rows) + (
         "\n\nThe committed policies as they are; with one block of time given to another head, the mean over all k (k - 1) "
         "such exchanges; and with one head in all blocks, the best of the k. A block needs its head where each other "
         f"head brings less than {NEEDED:.0%} of the policy's own return, and does not where each brings more.")

@@ -38,7 +38,7 @@ def cell(results, experiment, task, arm, seed, *, method="multihead", heads=10, 
             evaluated.append({
                 "steps": i * steps_per_update, "update": i, "placements": "random", "episodes": 50,
                 "success": good, "success_end": good * 0.9, "return": horizon * 9 * share(i),
-                "time_to_success": f"{rng.uniform(90, 160):.1f}" if good else ""})
+                "time_to_success": f"{rng.uniform(90, 160):.1f}" if good else "", "success_200": good * 0.8})
     for before, after in zip(progress, progress[1:]):
         after["wall_seconds"] = max(after["wall_seconds"], before["wall_seconds"] + 0.1)
     files = ResultFiles(results / experiment)

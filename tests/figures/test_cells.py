@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import cells
+import scores
 import synthetic
 
 
@@ -78,6 +79,16 @@ def test_a_run_without_a_curve_is_named(files):
         cells.read_experiment(files.folder)
 
 
+def test_evaluations_from_before_success_by_step_200_are_used(files):
+    path = files.evaluations_path
+    assert scores.DETERMINISTIC_200.of(read_one(files)) is not None
+    assert path.read_text().splitlines()[0].endswith(",success_200")
+    path.write_text("".join(line.rsplit(",", 1)[0] + "\n" for line in path.read_text().splitlines()))
+    cell = read_one(files)
+    assert np.isnan(cell.evaluations["random"]["success_200"]).all()
+    assert scores.DETERMINISTIC_200.of(cell) is None and scores.DETERMINISTIC.of(cell) is not None
+
+
 @pytest.mark.parametrize("change, said", [
     (lambda line: line.replace(",", ";"), "1 fields where"),
     (lambda line: line.rsplit(",", 1)[0] + "\n", "6 fields where the first line names 7"),
@@ -120,13 +131,6 @@ def test_a_missing_column_is_named(files, name, column):
     replace_line(files.folder / name, 1, lambda line: line.replace(column, "other"))
     with pytest.raises(cells.ResultsError, match=rf"{name}:1: there is no column {column}"):
         cells.read_experiment(files.folder)
-
-
-def test_a_column_that_may_be_empty_may_be_missing(files):
-    lines = files.evaluations_path.read_text().splitlines()
-    assert lines[0].endswith(",time_to_success")
-    files.evaluations_path.write_text("".join(line.rpartition(",")[0] + "\n" for line in lines))
-    assert np.isnan(read_one(files).evaluations["random"]["time_to_success"]).all()
 
 
 @pytest.mark.parametrize("change, said", [

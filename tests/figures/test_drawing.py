@@ -11,13 +11,14 @@ from matplotlib.colors import to_hex, to_rgb
 
 import cells
 import estimates
+import fifty
 import names
 import scores
 import style
 import synthetic
 import tables
 from conftest import ROOT
-from draw import controls, efficiency, final, heads, learning
+from draw import controls, efficiency, every_task, final, heads, learning
 
 
 @pytest.fixture(autouse=True)
@@ -116,13 +117,17 @@ def all_figures(experiments):
     return {name: figure for name, (figure, _) in ((name, each) for name, each in made.items() if each)}
 
 
+def is_arm(colour):
+    """Black, white and greys are no arm's."""
+    return np.ptp(to_rgb(colour)) > 0.01
+
+
 def colours_in(ax):
-    """Hex to the heights at which it is drawn; not black, white and greys, which are no arm's."""
+    """Hex to the heights at which it is drawn."""
     found = {}
     for line in ax.lines:
-        colour = to_rgb(line.get_color())
-        if max(colour) - min(colour) > 0.01:
-            found.setdefault(to_hex(colour), set()).update(np.atleast_1d(line.get_ydata()))
+        if is_arm(line.get_color()):
+            found.setdefault(to_hex(line.get_color()), set()).update(np.atleast_1d(line.get_ydata()))
     return found
 
 
@@ -132,7 +137,7 @@ def arms_in(figure):
         (legend,) = figure.legends
         colours = {text.get_text(): to_hex(line.get_color())
                    for text, line in zip(legend.get_texts(), legend.legend_handles)}
-        colours = {label: colour for label, colour in colours.items() if colour != "#ffffff"}  # published results
+        colours = {label: colour for label, colour in colours.items() if is_arm(colour)}
         assert set().union(*map(colours_in, figure.axes)) == set(colours.values())
         return colours
     rows = {y: text for y, text in zip(figure.axes[0].get_yticks(), figure.axes[0].get_yticklabels())}
@@ -207,17 +212,17 @@ def test_wall_clock_panels_end_with_the_longest_curve(tmp_path):
 
 
 def test_every_figure_and_table_can_be_made_of_one_run_without_evaluation(tmp_path):
-    for experiment in ("main", "heads", "controls", "solve"):
+    for experiment in ("main", "heads", "controls", "solve", "fifty"):
         synthetic.cell(tmp_path, experiment, "push", "multihead", 1, evaluations=0, updates=3)
     experiments = read(tmp_path)
     for draw in (learning.main, learning.main_success, learning.wallclock, learning.solve, final.final,
-                 heads.heads, efficiency.efficiency):
+                 heads.heads, efficiency.efficiency, every_task.fifty):
         style.use()
         figure, caption = draw(experiments)
         style.save(figure, tmp_path / "figure.png")
         assert caption.strip().endswith(".")
-    for table in tables.TABLES.values():
-        assert "nan" not in (table(experiments) or "")
+    made = [table(experiments) for table in tables.TABLES.values()] + [*fifty.tables(experiments, {}).values()]
+    assert all("nan" not in (table or "") for table in made)
 
 
 def test_a_table_says_where_seeds_are_too_few(tmp_path):

@@ -151,6 +151,32 @@ def test_a_difference_over_tasks_leaves_out_those_with_too_few_pairs():
     assert estimates.pooled_difference(x[:1], y[:1]) is None
 
 
+def test_with_enough_seeds_the_interval_over_tasks_is_that_of_the_seeds(scores):
+    assert estimates.iqm_over_tasks(list(scores.T)) == estimates.iqm(list(scores.T))
+
+
+def test_with_one_seed_tasks_are_resampled():
+    values = [1.0, 2.0, 4.0]
+    got = estimates.iqm_over_tasks([[value] for value in values])
+    assert (got.value, got.seeds) == (pytest.approx(7 / 3), 1)
+    as_runs = estimates.iqm([values])
+    assert (got.low, got.high) == (as_runs.low, as_runs.high)
+    assert estimates.iqm_over_tasks([[1.0], [2.0]]).low is None
+
+
+def test_a_sign_test_counts_tasks_that_differ():
+    # 8 or 9 heads of 9 coins, or tails: 2 * (9 + 1) / 2^9. What rounding leaves of no difference is none.
+    got = estimates.signs([0.1] * 8 + [-0.3] + [0.0, 0.3 - 0.1 - 0.2])
+    assert got == estimates.Signs(8, 1, 2, pytest.approx(20 / 512))
+    assert estimates.signs([0.0, 0.0]) == estimates.Signs(0, 0, 2, None)
+
+
+def test_two_groups_are_contrasted_over_all_ways_to_deal_them():
+    difference, p = estimates.contrast([0.8, 0.9, 0.7], [0.0, 0.1, 0.2, 0.1])
+    assert (difference, p) == (pytest.approx(0.7), pytest.approx(2 / 35))
+    assert estimates.contrast([0.8], [0.0, 0.1, 0.2])[1] is None
+
+
 def test_the_same_scores_give_the_same_interval_after_anything(scores):
     first = estimates.iqm(list(scores.T))
     np.random.uniform(size=100)
