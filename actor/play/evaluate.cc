@@ -9,6 +9,7 @@
 #include <ostream>
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "actor/play/training_differences.h"
 #include "common/config/config_fields.h"
@@ -24,34 +25,6 @@ namespace {
 
 constexpr std::int32_t kEpisodes = 50;
 constexpr std::int32_t kPublishedSteps = 200;
-
-void Summarise(Evaluation& evaluation) {
-  const auto count = static_cast<double>(evaluation.episodes.size());
-  std::int64_t successes = 0;
-  std::int64_t successes_end = 0;
-  std::int64_t successes_200 = 0;
-  std::int64_t steps = 0;
-  std::int64_t length = 0;
-  double returns = 0;
-  for (const EvaluatedEpisode& episode : evaluation.episodes) {
-    successes += episode.success ? 1 : 0;
-    successes_end += episode.success_end ? 1 : 0;
-    successes_200 += episode.success && episode.steps_to_success <= kPublishedSteps ? 1 : 0;
-    steps += episode.steps_to_success;
-    length += episode.length;
-    returns += episode.episode_return;
-  }
-  evaluation.success = static_cast<double>(successes) / count;
-  evaluation.success_end = static_cast<double>(successes_end) / count;
-  evaluation.success_200 = static_cast<double>(successes_200) / count;
-  evaluation.mean_return = returns / count;
-  evaluation.mean_length = static_cast<double>(length) / count;
-  if (successes > 0) {
-    evaluation.time_to_success = static_cast<double>(steps) / static_cast<double>(successes);
-  }
-  WilsonInterval(successes, static_cast<std::int64_t>(evaluation.episodes.size()),
-                 evaluation.success_low, evaluation.success_high);
-}
 
 std::int32_t EpisodesOf(const EvaluateOptions& options, const RunConfig& config,
                         const environment::EnvironmentRegistry& registry) {
@@ -105,32 +78,31 @@ std::vector<Evaluation> PlayAll(const Plan& plan) {
   const auto different = static_cast<std::size_t>(
       DifferentEpisodes(plan.options, plan.config, plan.registry).value_or(INT32_MAX));
   const std::size_t played = std::min(asked, different);
-  std::vector<Evaluation> evaluations(plan.tasks.size());
-  for (Evaluation& evaluation : evaluations) evaluation.episodes.resize(asked);
+  std::vector<std::vector<EvaluatedEpisode>> episodes(plan.tasks.size());
+  for (auto& of_task : episodes) of_task.resize(asked);
   const auto make_worker = [&]() -> process::Worker {
     return [&, player = std::make_shared<EvaluationPlayer>(plan)](std::size_t i) {
       const std::size_t task = i / played;
-      evaluations[task].episodes[i % played] = player->Play(plan.tasks[task], i % played);
+      episodes[task][i % played] = player->Play(plan.tasks[task], i % played);
     };
   };
   const std::size_t all = played * plan.tasks.size();
   process::ShareOut(all, static_cast<std::size_t>(ThreadsFor(plan.options, all)), make_worker,
                     "--threads");
-  for (Evaluation& evaluation : evaluations) {
-    for (std::size_t i = played; i < asked; ++i)
-      evaluation.episodes[i] = evaluation.episodes[i - played];
-    Summarise(evaluation);
+  std::vector<Evaluation> evaluations;
+  for (auto& of_task : episodes) {
+    for (std::size_t i = played; i < asked; ++i) of_task[i] = of_task[i - played];
+    evaluations.push_back(Summarise(std::move(of_task)));
   }
   return evaluations;
 }
 
 /// Of all episodes of all tasks; as each has equally many, the means over tasks.
 Evaluation Together(const std::vector<Evaluation>& evaluations) {
-  Evaluation all;
+  std::vector<EvaluatedEpisode> all;
   for (const Evaluation& evaluation : evaluations)
-    all.episodes.insert(all.episodes.end(), evaluation.episodes.begin(), evaluation.episodes.end());
-  Summarise(all);
-  return all;
+    all.insert(all.end(), evaluation.episodes.begin(), evaluation.episodes.end());
+  return Summarise(std::move(all));
 }
 
 // Before scenes are loaded, and naming the option.
@@ -263,6 +235,37 @@ void PrintText(const std::vector<Evaluation>& evaluations, const Report& report,
 }
 
 }  // namespace
+
+Evaluation Summarise(std::vector<EvaluatedEpisode> episodes) {
+  Evaluation evaluation;
+  evaluation.episodes = std::move(episodes);
+  const auto count = static_cast<double>(evaluation.episodes.size());
+  std::int64_t successes = 0;
+  std::int64_t successes_end = 0;
+  std::int64_t successes_200 = 0;
+  std::int64_t steps = 0;
+  std::int64_t length = 0;
+  double returns = 0;
+  for (const EvaluatedEpisode& episode : evaluation.episodes) {
+    successes += episode.success ? 1 : 0;
+    successes_end += episode.success_end ? 1 : 0;
+    successes_200 += episode.success && episode.steps_to_success <= kPublishedSteps ? 1 : 0;
+    steps += episode.steps_to_success;
+    length += episode.length;
+    returns += episode.episode_return;
+  }
+  evaluation.success = static_cast<double>(successes) / count;
+  evaluation.success_end = static_cast<double>(successes_end) / count;
+  evaluation.success_200 = static_cast<double>(successes_200) / count;
+  evaluation.mean_return = returns / count;
+  evaluation.mean_length = static_cast<double>(length) / count;
+  if (successes > 0) {
+    evaluation.time_to_success = static_cast<double>(steps) / static_cast<double>(successes);
+  }
+  WilsonInterval(successes, static_cast<std::int64_t>(evaluation.episodes.size()),
+                 evaluation.success_low, evaluation.success_high);
+  return evaluation;
+}
 
 void RequireValid(const EvaluateOptions& options) {
   if (options.episodes && *options.episodes < 1) {

@@ -51,6 +51,9 @@ struct Evaluation {
   std::optional<double> time_to_success;
 };
 
+/// All that its episodes, at least one, say of it.
+Evaluation Summarise(std::vector<EvaluatedEpisode> episodes);
+
 /// @throws std::invalid_argument naming the option that cannot be as it is.
 void RequireValid(const EvaluateOptions& options);
 

@@ -107,7 +107,7 @@ def test_evaluation_reads_the_checkpoint_and_repeats_itself(finished):
     report = first.json()
     assert report == second.json()
     assert report["episodes"] == 2
-    assert {"success", "success_end", "return", "engine_trained", "engine_used"} <= set(report)
+    assert {"success", "success_end", "success_200", "return", "engine_trained", "engine_used"} <= set(report)
 
 
 @pytest.mark.slow

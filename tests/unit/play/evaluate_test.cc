@@ -282,6 +282,21 @@ TEST(PlayDeterministicTest, AnEpisodeThatTheEnvironmentEndsIsShorter) {
   EXPECT_TRUE(cut.success_end);
 }
 
+EvaluatedEpisode SuccessAfter(std::int32_t steps) {
+  EvaluatedEpisode episode;
+  episode.success = steps > 0;
+  episode.steps_to_success = steps;
+  return episode;
+}
+
+TEST(SummariseTest, SuccessByStep200IsOfEpisodesThatSucceedInTime) {
+  const Evaluation evaluation =
+      Summarise({SuccessAfter(200), SuccessAfter(201), SuccessAfter(0), SuccessAfter(1)});
+  EXPECT_EQ(evaluation.success, 0.75);
+  EXPECT_EQ(evaluation.success_200, 0.5);
+  EXPECT_EQ(evaluation.time_to_success, 134);
+}
+
 /// Remembers the actions; the observation after t steps is t everywhere.
 class RecordingEnvironment final : public environment::Environment {
  public:
