@@ -58,6 +58,8 @@ const std::map<std::string, Range>& Ranges() {
       {"ppo.max_gradient_norm", {0, kUnbounded, true}},
       {"ppo.kl_stop", {0, kUnbounded}},
       {"ppo.success_reward", {0, 1e6}},
+      {"ppo.shared_heads_decay", {0, kUnbounded}},
+      {"ppo.min_std", {0, 10}},
       {"collection.episodes_per_update", {1, 10000}},
       {"collection.overlap", {0, 1}},
       {"collection.check_share", {0, 1, true}},

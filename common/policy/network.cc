@@ -18,10 +18,10 @@ LayerSlice NextLayer(std::int32_t inputs, std::int32_t outputs, std::size_t& off
   return slice;
 }
 
-MlpLayout Layout(const NetworkShape& shape, std::int32_t heads, std::int32_t head_outputs) {
+MlpLayout Layout(const NetworkShape& shape, std::int32_t inputs, std::int32_t heads,
+                 std::int32_t head_outputs) {
   MlpLayout layout;
   std::size_t offset = 0;
-  std::int32_t inputs = shape.input();
   for (const std::int32_t width : shape.hidden) {
     if (width < 1) throw std::invalid_argument("hidden width " + std::to_string(width) + " < 1");
     layout.hidden.push_back(NextLayer(inputs, width, offset));
@@ -38,12 +38,14 @@ MlpLayout Layout(const NetworkShape& shape, std::int32_t heads, std::int32_t hea
 }  // namespace
 
 MlpLayout ActorLayout(const NetworkShape& shape) {
-  MlpLayout layout = Layout(shape, shape.heads, shape.action);
+  MlpLayout layout = Layout(shape, shape.input(), shape.heads, shape.action);
   layout.size += static_cast<std::size_t>(shape.heads) * static_cast<std::size_t>(shape.action);
   return layout;
 }
 
-MlpLayout CriticLayout(const NetworkShape& shape) { return Layout(shape, shape.critic_heads, 1); }
+MlpLayout CriticLayout(const NetworkShape& shape) {
+  return Layout(shape, shape.critic_input(), shape.critic_heads, 1);
+}
 
 std::size_t ParameterCount(const NetworkShape& shape) {
   return ActorLayout(shape).size + CriticLayout(shape).size;
@@ -53,6 +55,7 @@ NetworkShape ShapeOf(const RunConfig& config) {
   NetworkShape shape;
   const PolicyConfig& policy = config.policy();
   shape.time_feature = policy.method() == SINGLE_TIME;
+  shape.critic_time = policy.critic_time() && !shape.time_feature;
   shape.observation = config.environment().spec().observation_size();
   shape.action = config.environment().spec().action_size();
   shape.hidden.assign(policy.hidden().begin(), policy.hidden().end());

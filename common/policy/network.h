@@ -14,6 +14,7 @@ struct NetworkShape {
   std::int32_t tasks = 1;     // each with observation statistics of its own
   bool task_onehot = false;   // a number a task is appended, after normalisation
   bool time_feature = false;  // single-time: 2t/T-1 is appended, after normalisation and task
+  bool critic_time = false;   // the same, for the critic alone
   std::vector<std::int32_t> hidden = {128, 128};
   std::int32_t heads = 10;         // in all: by time, by task or by both
   std::int32_t critic_heads = 10;  // one a head, or 1 for all (policy.critic_heads)
@@ -22,6 +23,8 @@ struct NetworkShape {
   [[nodiscard]] std::int32_t input() const {
     return observation + (task_onehot ? tasks : 0) + (time_feature ? 1 : 0);
   }
+  /// The critic's begins with the policy's.
+  [[nodiscard]] std::int32_t critic_input() const { return input() + (critic_time ? 1 : 0); }
   /// Numbers of the observation statistics: [tasks, observation].
   [[nodiscard]] std::size_t statistics() const {
     return std::size_t(tasks) * std::size_t(observation);

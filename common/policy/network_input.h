@@ -15,6 +15,11 @@ struct Normaliser {
   float clip;
 };
 
+/// Time as a network sees it, from -1 to 1.
+inline float Phase(std::int32_t t, std::int32_t horizon) {
+  return 2.0F * static_cast<float>(t) / static_cast<float>(horizon) - 1.0F;
+}
+
 /// Writes the network's input for one observation: normalised by the task's statistics, clipped to
 /// +-clip, and - where the shape asks for it - the task's one-hot and the time 2t/T-1. Actor and
 /// learner share it, so both see equal bits.
@@ -37,7 +42,7 @@ inline void WriteInput(const NetworkShape& shape, const Normaliser& normaliser,
     input[std::size_t(shape.observation) + task] = 1;
   }
   if (shape.time_feature) {
-    input[shape.input() - 1] = 2.0F * static_cast<float>(t) / static_cast<float>(horizon) - 1.0F;
+    input[shape.input() - 1] = Phase(t, horizon);
   }
 }
 

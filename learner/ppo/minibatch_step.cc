@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/numbers/elementary.h"
 #include "common/policy/gaussian.h"
 #include "learner/algorithm/algorithm.h"
 #include "learner/ppo/adam.h"
@@ -77,8 +78,9 @@ struct MinibatchStep::Impl {
         actor(policy::ActorLayout(shape), MostSamples(config)),
         critic(policy::CriticLayout(shape), MostSamples(config)),
         actor_size(actor.layout().size),
+        shared_heads(shape),
         gradient(policy::ParameterCount(shape)),
-        input(MostSamples(config), std::size_t(shape.input())),
+        input(MostSamples(config), std::size_t(shape.critic_input())),
         d_log_std(MostSamples(config)),
         figures(MostSamples(config)) {}
 
@@ -246,6 +248,21 @@ struct MinibatchStep::Impl {
       network.Pack(part, state.parameters.data() + offset);
     });
     apply(actor.layout().log_std, std::size_t(shape.heads) * std::size_t(shape.action));
+    if (ppo.shared_heads()) ShareHeads(step, learning_rate, state);
+    if (ppo.min_std() > 0) RaiseStd(state.parameters.data() + actor.layout().log_std);
+  }
+
+  void ShareHeads(const Adam& step, double learning_rate, OptimiserState& state) {
+    const double decay = std::min(1.0, learning_rate * ppo.shared_heads_decay());
+    shared_heads.Step(step, gradient.data(), float(decay), state.shared, state.parameters.data());
+    actor.PackHeads(state.parameters.data());
+    critic.PackHeads(state.parameters.data() + actor_size);
+  }
+
+  void RaiseStd(float* log_std) const {
+    const auto lowest = float(numbers::Log(ppo.min_std()));
+    std::transform(log_std, log_std + shape.heads * shape.action, log_std,
+                   [lowest](float value) { return std::max(value, lowest); });
   }
 
   // task(network, part of its weights, where the network begins among the parameters).
@@ -271,6 +288,7 @@ struct MinibatchStep::Impl {
   Mlp actor;
   Mlp critic;
   std::size_t actor_size;
+  SharedHeads shared_heads;
   std::vector<float> gradient;
   // Of the minibatch in work: its samples in rows.
   std::vector<std::uint32_t> by_head;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/schema/config.pb.h"
+#include "learner/ppo/shared_heads.h"
 #include "learner/ppo/training_batch.h"
 #include "learner/ppo/worker_team.h"
 
@@ -31,6 +32,7 @@ struct OptimiserState {
   std::vector<float> adam_m;
   std::vector<float> adam_v;
   std::uint64_t adam_steps = 0;
+  SharedHeads::Moments shared;  // empty without ppo.shared_heads
 };
 
 struct StepSettings {

@@ -128,6 +128,12 @@ void Mlp::Pack(std::size_t weight_part, const float* parameters) {
   }
 }
 
+void Mlp::PackHeads(const float* parameters) {
+  for (std::size_t part = 0; part < weight_parts_.size(); ++part) {
+    if (IsHead(weight_parts_[part])) Pack(part, parameters);
+  }
+}
+
 void Mlp::Forward(const Matrix& input, std::size_t first, std::size_t count,
                   const std::vector<policy::HeadRun>& runs) {
   forward_.Forward(input, rows_, first, count, runs);

@@ -55,6 +55,8 @@ class Mlp {
   [[nodiscard]] std::vector<ParameterRange> RangesOf(std::size_t weight_part) const;
   /// Takes a part's parameters; a pass needs all parts packed.
   void Pack(std::size_t weight_part, const float* parameters);
+  /// Takes the parameters of all heads.
+  void PackHeads(const float* parameters);
 
   /// output() of rows [first, first + count) from their input [rows, inputs]. @param runs  their
   /// heads; begin counts from row 0. Thread-safe where rows differ, as Backward is.

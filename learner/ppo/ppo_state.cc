@@ -48,6 +48,8 @@ std::string BytesOf(const PpoState& state) {
   payload.mutable_previous_actor()->Assign(state.previous_actor.begin(),
                                            state.previous_actor.end());
   ToPayload(state.previous_observation, *payload.mutable_previous_observation());
+  payload.mutable_shared_m()->Assign(state.shared.m.begin(), state.shared.m.end());
+  payload.mutable_shared_v()->Assign(state.shared.v.begin(), state.shared.v.end());
   return payload.SerializeAsString();
 }
 
@@ -79,6 +81,11 @@ void RequireFit(const PpoState& state, const RunConfig& config) {
   RequireSize(state.parameters.size(), count, "the network");
   RequireSize(state.adam_m.size(), count, "Adam's first moment");
   RequireSize(state.adam_v.size(), count, "Adam's second moment");
+  if (!state.shared.m.empty() || !state.shared.v.empty()) {
+    const std::size_t shared = SharedHeads(shape).size();
+    RequireSize(state.shared.m.size(), shared, "the first moment of what heads share");
+    RequireSize(state.shared.v.size(), shared, "the second moment of what heads share");
+  }
   if (!state.previous_actor.empty()) {
     RequireSize(state.previous_actor.size(), policy::ActorLayout(shape).size,
                 "the previous policy");
@@ -132,6 +139,8 @@ PpoState DecodePpoState(const checkpoint::TrainState& encoded, const RunConfig& 
   state.reward_return = FromPayload(payload.reward_return());
   state.previous_actor = checkpoint::FromField(payload.previous_actor());
   state.previous_observation = FromPayload(payload.previous_observation());
+  state.shared.m = checkpoint::FromField(payload.shared_m());
+  state.shared.v = checkpoint::FromField(payload.shared_v());
   // Of files from before overlap.
   if (state.previous_observation.empty())
     state.previous_observation.resize(policy::TaskCount(config));

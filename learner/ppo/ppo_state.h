@@ -7,6 +7,7 @@
 #include "common/messages/messages.h"
 #include "common/policy/running_statistics.h"
 #include "common/schema/config.pb.h"
+#include "learner/ppo/shared_heads.h"
 
 namespace metronome::ppo {
 
@@ -16,6 +17,7 @@ struct PpoState : checkpoint::RunCounters {
   std::vector<float> adam_m;      // same length
   std::vector<float> adam_v;      // same length
   std::uint64_t adam_steps = 0;
+  SharedHeads::Moments shared;  // empty without ppo.shared_heads
   /// One a task, [tasks]: a dimension each number of an observation; enters snapshots from the next
   /// version on.
   std::vector<policy::RunningStatistics> observation;
@@ -33,8 +35,8 @@ PolicySnapshot SnapshotOf(const PpoState& state, const RunConfig& config);
 PolicySnapshot PreviousSnapshotOf(const PpoState& state, const RunConfig& config);
 
 /// AlgorithmState::format of what EncodePpoState makes; grows whenever an older build would misread
-/// it. 1: ppo_state.proto as it is.
-inline constexpr std::uint32_t kPpoStateFormat = 1;
+/// it. 1: without shared heads.
+inline constexpr std::uint32_t kPpoStateFormat = 2;
 
 /// As a checkpoint keeps it, and back. @param config  resolved.
 /// @throws UnusableState (learner/algorithm/algorithm_factory.h) for another algorithm's state, an

@@ -201,6 +201,13 @@ Trainer::Trainer(const RunConfig& config, PpoState state, int threads) {
                                 " parameters, the configuration's network has " +
                                 std::to_string(expected));
   }
+  const std::size_t shared =
+      config.ppo().shared_heads() ? SharedHeads(policy::ShapeOf(config)).size() : 0;
+  if (state.shared.m.size() != shared || state.shared.v.size() != shared) {
+    throw std::invalid_argument("the state holds " + std::to_string(state.shared.m.size()) +
+                                " moments of what heads share, the configuration asks for " +
+                                std::to_string(shared));
+  }
   impl_ = std::make_unique<Impl>(config, std::move(state), threads);
 }
 
@@ -212,6 +219,11 @@ PpoState Trainer::InitialState(const RunConfig& config) {
       InitialParameters(policy::ShapeOf(config), config.policy().initial_log_std(), config.seed());
   state.adam_m.assign(state.parameters.size(), 0.0F);
   state.adam_v.assign(state.parameters.size(), 0.0F);
+  if (config.ppo().shared_heads()) {
+    const SharedHeads heads(policy::ShapeOf(config));
+    heads.MakeEqual(state.parameters);
+    state.shared = {std::vector<float>(heads.size(), 0.0F), std::vector<float>(heads.size(), 0.0F)};
+  }
   for (auto* statistics : {&state.observation, &state.reward_return, &state.previous_observation}) {
     statistics->resize(policy::TaskCount(config));
   }
@@ -236,7 +248,7 @@ PpoReport Trainer::Update(const std::vector<Episode>& episodes) {
                                          impl.team);
   const StepSettings settings = impl.Settings();
   OptimiserState optimiser{std::move(next.parameters), std::move(next.adam_m),
-                           std::move(next.adam_v), next.adam_steps};
+                           std::move(next.adam_v), next.adam_steps, std::move(next.shared)};
   ReportSums sums(std::size_t(policy::ShapeOf(impl.config).heads), impl.config.ppo().kl_estimate());
   report.epochs = impl.Learn(batch, settings, optimiser, sums);
   if (!numbers::AllFinite(optimiser.parameters))
@@ -245,6 +257,7 @@ PpoReport Trainer::Update(const std::vector<Episode>& episodes) {
   next.adam_m = std::move(optimiser.adam_m);
   next.adam_v = std::move(optimiser.adam_v);
   next.adam_steps = optimiser.adam_steps;
+  next.shared = std::move(optimiser.shared);
   impl.Advance(episodes, next);
   // Finite weights may still give actions that are not: no actor would play another episode.
   if (const auto defect = policy::SnapshotDefect(SnapshotOf(next, impl.config), impl.config)) {

@@ -64,7 +64,7 @@ class EpisodeBuilder {
         schedule_(policy::HeadSchedule::OfTraining(source.config, episode_.number)),
         begin_(begin),
         batch_(batch),
-        input_(PackedNetwork::kRows, std::size_t(networks.shape.input())),
+        input_(PackedNetwork::kRows, std::size_t(networks.shape.critic_input())),
         of_actor_(networks.actor, PackedNetwork::kRows),
         of_critic_(networks.critic, PackedNetwork::kRows) {}
 
@@ -99,7 +99,7 @@ class EpisodeBuilder {
       values_.push_back(of_critic_.output.row(i)[0]);
       if (step == std::size_t(length())) return;
       const std::size_t sample = begin_ + step;
-      std::copy_n(input_.row(i), networks_.shape.input(), batch_.input.row(sample));
+      std::copy_n(input_.row(i), networks_.shape.critic_input(), batch_.input.row(sample));
       std::copy_n(episode_.action.data() + step * actions, actions, batch_.action.row(sample));
       batch_.proximal_log_prob[sample] =
           lagging ? ProximalLogProb(step, of_actor_.output.row(i)) : episode_.log_prob[step];
@@ -118,6 +118,10 @@ class EpisodeBuilder {
           shape, normaliser,
           episode_.observation.data() + std::size_t(t + i) * std::size_t(shape.observation), task_,
           t + i, source_.config.environment().horizon(), input_.row(std::size_t(i)));
+      if (shape.critic_time) {
+        input_.row(std::size_t(i))[shape.input()] =
+            policy::Phase(t + i, source_.config.environment().horizon());
+      }
     }
   }
 
@@ -188,7 +192,7 @@ TrainingBatch BuildBatch(const BatchSource& source, WorkerTeam& team) {
   const std::size_t size = begins.back();
   TrainingBatch batch;
   const Networks networks(source);
-  batch.input.Resize(size, std::size_t(networks.shape.input()));
+  batch.input.Resize(size, std::size_t(networks.shape.critic_input()));
   batch.action.Resize(size, std::size_t(networks.shape.action));
   for (auto* values : {&batch.behaviour_log_prob, &batch.proximal_log_prob, &batch.behaviour_weight,
                        &batch.value, &batch.advantage, &batch.target}) {

@@ -41,6 +41,9 @@ void RequireSameNetwork(const checkpoint::Checkpoint& source, const RunConfig& c
   if (policy::ShapeOf(source.config).critic_heads != policy::ShapeOf(config).critic_heads) {
     fields.emplace_back("policy.critic_heads");
   }
+  if (policy::ShapeOf(source.config).critic_time != policy::ShapeOf(config).critic_time) {
+    fields.emplace_back("policy.critic_time");
+  }
   const auto other = std::find_if(fields.begin(), fields.end(), [&](const std::string& field) {
     return there.at(field) != here.at(field);
   });

@@ -59,6 +59,19 @@ TEST(PpoStateTest, EveryBitComesBack) {
   }
 }
 
+TEST(PpoStateTest, WhatHeadsShareComesBackAndFitsTheConfiguration) {
+  RunConfig config = SmallConfig();
+  config.mutable_ppo()->set_shared_heads(true);
+  PpoState state = SomeState(config);
+  state.shared.m[0] = 1.0F / 3;
+  state.shared.v[1] = 1e-30F;
+  EXPECT_EQ(DecodePpoState(EncodePpoState(state, config), config), state);
+  state.shared.v.pop_back();
+  EXPECT_NE(
+      Refusal(EncodePpoState(state, config), config).find("second moment of what heads share"),
+      std::string::npos);
+}
+
 TEST(PpoStateTest, WhatDoesNotFitTheConfigurationIsRefusedByName) {
   const RunConfig config = SmallConfig();
   PpoState state = SomeState(config);
@@ -80,9 +93,9 @@ TEST(PpoStateTest, WhatDoesNotFitTheConfigurationIsRefusedByName) {
 TEST(PpoStateTest, AnotherFormatOrAlgorithmIsRefusedByName) {
   const RunConfig config = SmallConfig();
   checkpoint::TrainState state = EncodePpoState(SomeState(config), config);
-  state.algorithm.format = 2;
+  state.algorithm.format = kPpoStateFormat + 1;
   EXPECT_EQ(Refusal(state, config),
-            "its state of ppo has format 2, this build reads formats 1 to 1; use a build that "
+            "its state of ppo has format 3, this build reads formats 1 to 2; use a build that "
             "knows it");
   state.algorithm = {"sac", 1, ""};
   EXPECT_EQ(Refusal(state, config), "its state is of the algorithm sac, this run's is ppo");

@@ -71,6 +71,68 @@ INSTANTIATE_TEST_SUITE_P(
                        ::testing::Values(SCHEDULE_BLOCKS, SCHEDULE_INTERLEAVED, SCHEDULE_SHUFFLED),
                        ::testing::Values(CRITIC_HEADS_SEPARATE, CRITIC_HEADS_SHARED)));
 
+// Heads that share, a critic that sees the time, a floor of the std.
+RunConfig SharingConfig(int overlap) {
+  RunConfig config = SmallConfig(MULTIHEAD, 3, overlap);
+  config.mutable_policy()->set_critic_time(true);
+  config.mutable_ppo()->set_shared_heads(true);
+  config.mutable_ppo()->set_min_std(0.6);
+  return config;
+}
+
+class SharingTrainerTest : public ::testing::TestWithParam<int> {};
+
+TEST_P(SharingTrainerTest, ThreadsAndARestoredStateChangeNoBit) {
+  const RunConfig config = SharingConfig(GetParam());
+  const PpoState whole = TrainFor(config, 3, 1);
+  EXPECT_EQ(TrainFor(config, 3, 5), whole);
+  const PpoState half = TrainFor(config, 2, 2);
+  Trainer resumed(config, DecodePpoState(EncodePpoState(half, config), config), 2);
+  const PolicySnapshot snapshot =
+      GetParam() > 0 ? PreviousSnapshotOf(half, config) : SnapshotOf(half, config);
+  resumed.Update(SyntheticBatch(config, snapshot, 2));
+  EXPECT_EQ(resumed.state(), whole);
+}
+
+INSTANTIATE_TEST_SUITE_P(Overlap, SharingTrainerTest, ::testing::Values(0, 1));
+
+TEST(TrainerTest, AStateWithoutWhatHeadsShareIsRefused) {
+  const PpoState state = Trainer::InitialState(SmallConfig());
+  EXPECT_THROW(Trainer(SharingConfig(0), state, 1), std::invalid_argument);
+}
+
+TEST(TrainerTest, HeadsThatShareBeginEqualAndMoveTogetherMost) {
+  const RunConfig config = SharingConfig(0);
+  const policy::MlpLayout actor = policy::ActorLayout(policy::ShapeOf(config));
+  const auto apart = [&](const PpoState& state) {
+    const float* bias = state.parameters.data() + actor.head.bias;
+    double sum = 0;
+    for (int i = 0; i < 4; ++i) sum += std::abs(double{bias[i]} - bias[8 + i]);
+    return sum;
+  };
+  EXPECT_EQ(apart(Trainer::InitialState(config)), 0);
+  RunConfig quick = config;
+  quick.mutable_ppo()->set_shared_heads_decay(1e9);  // nothing sets a head apart for long
+  EXPECT_GT(apart(TrainFor(config, 3, 1)), 0);
+  EXPECT_LT(apart(TrainFor(quick, 3, 1)), 1e-6);
+}
+
+TEST(TrainerTest, StandardDeviationsStayAtTheirFloor) {
+  RunConfig config = SmallConfig();
+  config.mutable_ppo()->set_entropy_coefficient(0);
+  config.mutable_ppo()->set_min_std(0.606);  // just below the first, exp(-0.5)
+  const PpoState floored = TrainFor(config, 6, 1);
+  config.mutable_ppo()->set_min_std(0);
+  const PpoState free = TrainFor(config, 6, 1);
+  const policy::MlpLayout actor = policy::ActorLayout(policy::ShapeOf(config));
+  const auto least = [&](const PpoState& state) {
+    return *std::min_element(state.parameters.begin() + std::ptrdiff_t(actor.log_std),
+                             state.parameters.begin() + std::ptrdiff_t(actor.size));
+  };
+  EXPECT_LT(least(free), std::log(0.606F));
+  EXPECT_EQ(least(floored), float(std::log(0.606)));
+}
+
 TEST(TrainerTest, LearnsWhatTheRewardAsksFor) {
   RunConfig config = SmallConfig();
   config.set_total_steps(40 * 400);

@@ -27,6 +27,7 @@ class TrainingBatchTest : public ::testing::TestWithParam<std::tuple<Schedule, C
   TrainingBatchTest() : config_(SmallConfig(MULTIHEAD, 3, std::get<2>(GetParam()))) {
     config_.mutable_policy()->set_schedule(std::get<0>(GetParam()));
     config_.mutable_policy()->set_critic_heads(std::get<1>(GetParam()));
+    config_.mutable_policy()->set_critic_time(CriticSeesTime());
     config_.mutable_ppo()->set_time_limit_value(BOOTSTRAP);
     state_ = Trainer::InitialState(config_);
     behaviour_ = SnapshotOf(state_, config_);
@@ -37,6 +38,9 @@ class TrainingBatchTest : public ::testing::TestWithParam<std::tuple<Schedule, C
     batch_ = BuildBatch({config_, episodes_, behaviour_, state_.parameters.data(), {kScale}}, team);
   }
 
+  /// With heads of its own, so that both occur.
+  static bool CriticSeesTime() { return std::get<1>(GetParam()) == CRITIC_HEADS_SEPARATE; }
+
   /// By definition: blocks, turns, or blocks by the permutation of the episode's number.
   [[nodiscard]] int HeadAt(std::size_t episode, int t) const {
     const int block = t * 3 / kHorizon;
@@ -46,7 +50,7 @@ class TrainingBatchTest : public ::testing::TestWithParam<std::tuple<Schedule, C
         3, {numbers::RandomPurpose::kHeadPermutation, 5, 10 + episode, 1})[std::size_t(block)]);
   }
 
-  /// Input of the networks: version 0 has no statistics, observations are far from the clip.
+  /// Input of the policy: version 0 has no statistics, observations are far from the clip.
   [[nodiscard]] std::vector<double> InputAt(std::size_t episode, int t) const {
     const auto row = episodes_[episode].observation.begin() + t * test::kObservationSize;
     std::vector<double> input(row, row + test::kObservationSize);
@@ -59,7 +63,9 @@ class TrainingBatchTest : public ::testing::TestWithParam<std::tuple<Schedule, C
     const std::vector<float> critic(state_.parameters.begin() + std::ptrdiff_t(actor),
                                     state_.parameters.end());
     const bool shared = std::get<1>(GetParam()) == CRITIC_HEADS_SHARED;
-    return Forward(critic, policy::CriticLayout(policy::ShapeOf(config_)), InputAt(episode, t),
+    std::vector<double> input = InputAt(episode, t);
+    if (CriticSeesTime()) input.push_back(2.0 * t / kHorizon - 1);
+    return Forward(critic, policy::CriticLayout(policy::ShapeOf(config_)), input,
                    shared ? 0 : head)[0];
   }
 

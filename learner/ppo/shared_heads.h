@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "common/policy/network.h"
+#include "learner/ppo/adam.h"
+
+namespace metronome::ppo {
+
+/// Heads that learn from each other: besides its own gradient each head follows the sum of all
+/// heads' gradients, so that what one block of time learns all blocks have, and what sets a head
+/// apart from the heads' mean fades where its own samples do not keep it up. These are the
+/// parameters w_0 + v_t of regularised multi-task learning (Evgeniou, Pontil, KDD 2004,
+/// section 2.1), a task a head, with w_0 in the heads themselves. Weights, biases and log-stds
+/// alike; actor and critic apart. A network with one head has nothing to share.
+class SharedHeads {
+ public:
+  /// Adam's moments of the shared gradient, [size()] each: actor, then critic.
+  struct Moments {
+    std::vector<float> m;
+    std::vector<float> v;
+    bool operator==(const Moments&) const = default;
+  };
+
+  explicit SharedHeads(const policy::NetworkShape& shape);
+
+  /// Floats of a shared gradient: one head's of the actor, and one of the critic.
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+  /// Gives all heads the parameters of the first.
+  void MakeEqual(std::vector<float>& parameters) const;
+
+  /// After the heads' own step: the shared one, then w_j -= decay * (w_j - mean of all w).
+  /// @param gradient, parameters  flat, of actor and critic. @param decay  from 0 to 1.
+  void Step(const Adam& adam, const float* gradient, float decay, Moments& moments,
+            float* parameters) const;
+
+ private:
+  /// Equal pieces of a flat vector, a head each.
+  struct Pieces {
+    std::size_t first = 0;
+    std::size_t size = 0;
+    std::size_t heads = 0;
+  };
+
+  void AddNetwork(const policy::MlpLayout& layout, std::size_t offset, bool has_log_std);
+
+  std::vector<Pieces> pieces_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace metronome::ppo
