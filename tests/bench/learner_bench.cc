@@ -122,7 +122,7 @@ double GemmRate(int threads, int repeats) {
 void MakeEpochs(const RunConfig& config, const ppo::TrainingBatch& batch,
                 const ppo::PpoState& state, ppo::WorkerTeam& team) {
   ppo::MinibatchStep step(config, team);
-  ppo::OptimiserState optimiser{state.parameters, state.adam_m, state.adam_v, 0};
+  ppo::OptimiserState optimiser{state.parameters, state.adam_m, state.adam_v, 0, state.shared};
   step.Begin(optimiser);
   const auto minibatch = std::size_t(config.ppo().minibatch());
   for (std::int32_t epoch = 0; epoch < config.ppo().epochs(); ++epoch) {

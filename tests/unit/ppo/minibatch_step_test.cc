@@ -73,7 +73,7 @@ Prepared Prepare(const RunConfig& config, WorkerTeam& team) {
   const auto episodes = SyntheticBatch(config, snapshot, 0);
   Prepared prepared{
       BuildBatch({config, episodes, snapshot, initial.parameters.data(), {0.7F}}, team),
-      {initial.parameters, initial.adam_m, initial.adam_v, 0},
+      {initial.parameters, initial.adam_m, initial.adam_v, 0, {}},
       std::vector<std::uint32_t>(150)};
   numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 8, 8, 8);
   for (float& parameter : prepared.state.parameters) parameter += 0.02F * float(random.Normal());

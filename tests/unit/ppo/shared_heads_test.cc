@@ -78,7 +78,8 @@ TEST(SharedHeadsTest, AHeadFollowsTheSumOfAllGradientsAndItsDistanceFromTheMeanF
   }
   EXPECT_EQ(at, shared.size());
   for (std::size_t i = 0; i < count; ++i) {
-    if (!is_of_a_head[i]) EXPECT_EQ(after[i], before[i]) << "a hidden layer moved";
+    if (is_of_a_head[i]) continue;
+    EXPECT_EQ(after[i], before[i]) << "a hidden layer moved";
   }
 }
 
