@@ -73,7 +73,7 @@ Prepared Prepare(const RunConfig& config, WorkerTeam& team) {
   const auto episodes = SyntheticBatch(config, snapshot, 0);
   Prepared prepared{
       BuildBatch({config, episodes, snapshot, initial.parameters.data(), {0.7F}}, team),
-      {initial.parameters, initial.adam_m, initial.adam_v, 0, {}},
+      {initial.parameters, initial.adam_m, initial.adam_v, 0, initial.shared},
       std::vector<std::uint32_t>(150)};
   numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 8, 8, 8);
   for (float& parameter : prepared.state.parameters) parameter += 0.02F * float(random.Normal());
@@ -165,6 +165,25 @@ TEST(MinibatchStepTest, AStepIsAdamOnTheClippedGradient) {
     EXPECT_NEAR(prepared.state.parameters[i], before[i] - 1e-3 * g / (std::abs(g) + 1e-5), 1e-6);
   }
   EXPECT_EQ(prepared.state.adam_steps, 1U);
+}
+
+// The passes read packed copies of the parameters, which each step has to renew.
+TEST(MinibatchStepTest, AStepGoesOnFromAllThatTheOneBeforeChanged) {
+  RunConfig config = SmallConfig();
+  config.mutable_ppo()->set_shared_heads(true);
+  config.mutable_ppo()->set_min_std(0.61);
+  WorkerTeam team(2);
+  Prepared prepared = Prepare(config, team);
+  MinibatchStep one(config, team);
+  one.Begin(prepared.state);
+  one.Run(prepared.batch, prepared.samples, {1e-2, 0}, prepared.state);
+  OptimiserState begun_anew = prepared.state;
+  MinibatchStep other(config, team);
+  other.Begin(begun_anew);
+  other.Run(prepared.batch, prepared.samples, {1e-2, 0}, begun_anew);
+  one.Run(prepared.batch, prepared.samples, {1e-2, 0}, prepared.state);
+  EXPECT_EQ(one.gradient(), other.gradient());
+  EXPECT_EQ(prepared.state.parameters, begun_anew.parameters);
 }
 
 TEST(MinibatchStepTest, ANonFiniteSampleIsNamedAndLeavesTheStateAlone) {
