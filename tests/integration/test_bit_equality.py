@@ -126,6 +126,7 @@ def test_one_head_methods_agree_too(stage, method):
         ("ppo.time_limit_value=bootstrap",),
         ("policy.noise_correlation=0.5",),
         ("policy.noise_correlation=0.5", "collection.check_share=0.5"),
+        ("ppo.shared_heads=true", "policy.critic_time=true", "ppo.min_std=0.2"),
         # T = 100, k = 20, as many steps in as many updates
         (
             "environment.horizon=100",
