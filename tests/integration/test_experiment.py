@@ -176,13 +176,19 @@ class HeldEvaluations:
         os.close(self._read)
 
 
-@pytest.mark.slow
-def test_a_milestone_that_was_not_evaluated_is_evaluated_in_another_checkout(stage):
+def stopped_before_an_evaluation(stage):
+    """@return where push-ppo-s7 has been trained, and none of its milestones evaluated."""
     place, held = Place(stage), HeldEvaluations(stage.runs.parent)
     stopped = place.start("--cells", "push-ppo-*", build=held.build)
     held.expect_trained()
     stopped.signal(signal.SIGINT)
     assert stopped.wait() == 128 + signal.SIGINT, stopped
+    return place
+
+
+@pytest.mark.slow
+def test_a_milestone_that_was_not_evaluated_is_evaluated_in_another_checkout(stage):
+    place = stopped_before_an_evaluation(stage)
     result = place.results / "small" / "push-ppo-s7"
     carried = result / "unfinished" / "checkpoints" / "000004.ckpt"
     assert sorted(p.name for p in carried.parent.iterdir()) == ["000004.ckpt", "000008.ckpt"]
@@ -327,11 +333,7 @@ def test_a_damaged_line_is_told_by_its_place(stage):
 
 @pytest.mark.slow
 def test_a_run_that_meets_a_damaged_file_at_its_end_is_kept(stage):
-    place, held = Place(stage), HeldEvaluations(stage.runs.parent)
-    stopped = place.start("--cells", "push-ppo-*", build=held.build)
-    held.expect_trained()
-    stopped.signal(signal.SIGINT)
-    assert stopped.wait() == 128 + signal.SIGINT, stopped
+    place = stopped_before_an_evaluation(stage)
     place.made.progress_path("push").parent.mkdir()
     place.made.progress_path("push").write_text("run,steps\n<<<<<<< HEAD\n")
     failed = place.start("--cells", "push-ppo-*")
