@@ -33,6 +33,10 @@ ARMS = {
     "k5": Look("multi-head, k = 5", "#DDCC77"),
     "k20": Look("multi-head, k = 20", "#DA8BC3"),
     "k50": Look("multi-head, k = 50", "#332288"),
+    "official-reward": Look("official reward", "#1B4D3E"),
+    "independent": Look("heads that share nothing", "#C2A5CF"),
+    "wide": Look("first std 1", "#4A3B00"),
+    "batch-32": Look("32 episodes an update", "#B2DF8A"),
     "t100-k20": Look("T = 100: multi-head, k = 20", "#88CCEE", "--"),
     "t100-ppo": Look("T = 100: PPO", "#F28E2B", "--"),
 }

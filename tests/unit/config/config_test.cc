@@ -611,16 +611,14 @@ TEST(ListenAddressTest, TheHostIsThisMachineAloneUnlessGiven) {
 TEST(CompareForResumeTest, EverythingOutsideRuntimeForbids) {
   const RunConfig old_config = Resolve(Push());
   EXPECT_TRUE(CompareForResume(old_config, old_config, false).empty());
-  VisitFields(old_config, [&](const std::string& path, const auto&, const auto& field) {
+  VisitFields(old_config, [&](const std::string& path, const auto& owner, const auto& field) {
     RunConfig changed = old_config;
     const auto type = field.cpp_type();
     using Field = google::protobuf::FieldDescriptor;
     std::string value = "77";
     if (type == Field::CPPTYPE_ENUM) value = EnumWords(*field.enum_type()).back();
     if (type == Field::CPPTYPE_BOOL) {
-      const bool is_false =
-          path == "environment.spec.may_end_early" || path == "environment.spec.has_benchmark";
-      value = is_false ? "true" : "false";
+      value = FieldText(owner, field) == "true" ? "false" : "true";
     }
     SetField(changed, path, value);
     const auto differences = CompareForResume(old_config, changed, false);

@@ -494,7 +494,7 @@ TEST(InspectTest, JsonHasTheStableKeys) {
   EXPECT_EQ(json.at("steps"), 96000);
   EXPECT_EQ(json.at("weights_sha256"), "00ff");
   EXPECT_EQ(json.at("algorithm"), "ppo");
-  EXPECT_EQ(json.at("algorithm_format"), 2);
+  EXPECT_EQ(json.at("algorithm_format"), 1);
   EXPECT_EQ(json.at("task"), "push");
   EXPECT_EQ(json.at("method"), "multihead");
   EXPECT_EQ(json.at("heads"), 2);

@@ -129,13 +129,14 @@ TEST_F(RunStartTest, AStateOfALaterFormatOfTheAlgorithmIsRefusedByName) {
   later.state.algorithm.format = ppo::kPpoStateFormat + 1;
   const std::string path = checkpoint::CheckpointStore(Checkpoints(), 5).Save(later);
   request_.resume = true;
-  EXPECT_EQ(Refusal(), path +
-                           ": its state of ppo has format 2, this build reads formats 1 to 1; use "
-                           "a build that knows it");
+  const std::string known = std::to_string(ppo::kPpoStateFormat);
+  const std::string unknown =
+      "its state of ppo has format " + std::to_string(ppo::kPpoStateFormat + 1);
+  EXPECT_EQ(Refusal(), path + ": " + unknown + ", this build reads formats 1 to " + known +
+                           "; use a build that knows it");
   request_.resume = false;
   request_.config.mutable_policy()->set_initial_weights(path);
-  EXPECT_NE(Refusal().find("--from " + path + ": its state of ppo has format 2"), std::string::npos)
-      << Refusal();
+  EXPECT_NE(Refusal().find("--from " + path + ": " + unknown), std::string::npos) << Refusal();
 }
 
 TEST_F(RunStartTest, AnotherAlgorithmsWeightsAreNotBegunWith) {
