@@ -318,6 +318,7 @@ std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* cons
   ConfigArguments arguments, print_arguments;
   RunArguments run;
   InspectOptions inspect;
+  ExportOptions exported;
   StatusOptions status;
 
   CLI::App* run_command = app.add_subcommand("run", "Start a run, or go on with one (--resume)");
@@ -327,6 +328,10 @@ std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* cons
   CLI::App* inspect_command = app.add_subcommand("inspect", "Show what a checkpoint holds");
   inspect_command->add_option("CHECKPOINT", inspect.checkpoint, "The file")->type_name("");
   inspect_command->add_flag("--json", inspect.json, "As one JSON object");
+  CLI::App* export_command = app.add_subcommand(
+      "export", "Write a checkpoint's policy by itself: to evaluate and draw, not to go on from");
+  export_command->add_option("CHECKPOINT", exported.checkpoint, "The file")->type_name("");
+  export_command->add_option("--out", exported.out, "The file to write")->type_name("FILE");
   CLI::App* config_command =
       app.add_subcommand("config", "Print the whole configuration that run would use");
   AddConfigOptions(*config_command, print_arguments);
@@ -347,6 +352,12 @@ std::variant<int, LearnerCommand> ParseLearnerCommand(int argc, const char* cons
         throw config::ConfigError("name the run to show: metronome-learner status NAME");
       config::CheckRunName(status.run);
       return status;
+    }
+    if (&given == export_command) {
+      if (exported.checkpoint.empty())
+        throw config::ConfigError("name the CHECKPOINT file whose policy to write");
+      if (exported.out.empty()) throw config::ConfigError("--out FILE is needed: where to write");
+      return exported;
     }
     if (inspect.checkpoint.empty())
       throw config::ConfigError("name the CHECKPOINT file to inspect");

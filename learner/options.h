@@ -26,6 +26,12 @@ struct InspectOptions {
   bool json = false;
 };
 
+/// `export`: the policy of a checkpoint, by itself.
+struct ExportOptions {
+  std::string checkpoint;
+  std::string out;
+};
+
 /// `config`: print the configuration that `run` would use.
 struct PrintConfigOptions {
   RunConfig config;
@@ -44,7 +50,8 @@ struct StatusOptions {
   double wait_seconds = 10;  // for a learner
 };
 
-using LearnerCommand = std::variant<RunOptions, InspectOptions, PrintConfigOptions, StatusOptions>;
+using LearnerCommand =
+    std::variant<RunOptions, InspectOptions, ExportOptions, PrintConfigOptions, StatusOptions>;
 
 /// @param specs  says what environments are like; handed on in RunOptions.
 /// Reads configuration files and, with --resume, the run's own, or its checkpoint's where that file

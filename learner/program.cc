@@ -10,6 +10,7 @@
 #include "common/config/config.h"
 #include "common/policy/network.h"
 #include "common/process/exit_codes.h"
+#include "common/process/files.h"
 #include "common/process/ignored_signals.h"
 #include "learner/actor_program.h"
 #include "learner/options.h"
@@ -43,6 +44,19 @@ int Execute(const InspectOptions& options, const algorithm::Algorithms& /*algori
     return process::kExitFinished;
   } catch (const std::exception& error) {
     std::cerr << "metronome-learner inspect: " << error.what() << "\n";
+    return process::kExitFailure;
+  }
+}
+
+int Execute(const ExportOptions& options, const algorithm::Algorithms& /*algorithms*/) {
+  try {
+    const checkpoint::Checkpoint checkpoint =
+        checkpoint::LoadCheckpoint(options.checkpoint, AskActorProgram());
+    process::WriteFileAtomically(
+        options.out, checkpoint::EncodeCheckpoint(checkpoint::PolicyAlone(checkpoint)));
+    return process::kExitFinished;
+  } catch (const std::exception& error) {
+    std::cerr << "metronome-learner export: " << error.what() << "\n";
     return process::kExitFailure;
   }
 }

@@ -227,6 +227,19 @@ Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name,
   return checkpoint;
 }
 
+Checkpoint PolicyAlone(Checkpoint checkpoint) {
+  checkpoint.state.algorithm = {checkpoint.state.algorithm.name, kPolicyAlone, ""};
+  checkpoint.state.canonical_digest.clear();
+  checkpoint.logs = {};
+  return checkpoint;
+}
+
+void RequireState(const Checkpoint& checkpoint, const std::string& name) {
+  if (checkpoint.state.algorithm.format != kPolicyAlone) return;
+  throw CheckpointError(name + ": it holds a policy by itself, to be evaluated and drawn: no run " +
+                        "goes on from it or begins with it; that takes a checkpoint of its run");
+}
+
 void RequireShape(const Checkpoint& checkpoint, const RunConfig& config, const std::string& name) {
   if (policy::ShapeOf(checkpoint.config) == policy::ShapeOf(config)) return;
   throw CheckpointError(name + ": another network shape: it holds " + ShapeText(checkpoint.config) +

@@ -52,6 +52,11 @@ struct Checkpoint {
   std::string initial_weights_sha256;  // of what policy.initial_weights named; empty: of nothing
 };
 
+/// The policy of a checkpoint by itself: what it takes to play, and to say which run it is of
+/// (configuration, counters, digest of all weights). The algorithm's state, without which no run
+/// goes on, and the logs are left out; AlgorithmState::format is then kPolicyAlone.
+Checkpoint PolicyAlone(Checkpoint checkpoint);
+
 /// The file cannot be used; what() names it and says why.
 class CheckpointError : public std::runtime_error {
  public:
@@ -88,6 +93,9 @@ Checkpoint LoadCheckpoint(const std::string& path, const config::SpecSource& sou
 /// @throws CheckpointError naming both shapes if the checkpoint's network does not have the shape
 ///         that `config` (resolved) asks for.
 void RequireShape(const Checkpoint& checkpoint, const RunConfig& config, const std::string& name);
+
+/// @throws CheckpointError if it is a policy by itself.
+void RequireState(const Checkpoint& checkpoint, const std::string& name);
 
 /// A checkpoint to go on from.
 struct FoundCheckpoint {

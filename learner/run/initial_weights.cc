@@ -61,6 +61,7 @@ checkpoint::Checkpoint LoadInitialWeights(const RunConfig& config,
   try {
     checkpoint::Checkpoint source =
         checkpoint::LoadCheckpoint(config.policy().initial_weights(), specs);
+    checkpoint::RequireState(source, config.policy().initial_weights());
     RequireSameAlgorithm(source, config);
     RequireSameNetwork(source, config);
     return source;

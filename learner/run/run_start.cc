@@ -66,6 +66,7 @@ void RequireSameRun(const checkpoint::FoundCheckpoint& found, const RunRequest& 
                       ", this learner is built for " + process::EngineName() +
                       ": resume with a build for " + checkpoint.engine);
   }
+  checkpoint::RequireState(checkpoint, found.path);
   checkpoint::RequireShape(checkpoint, request.config, found.path);
   // The total may differ: the command line has compared it with the run's own file.
   const auto differences = config::CompareForResume(checkpoint.config, request.config, true);

@@ -119,7 +119,7 @@ def test_help_is_there_for_every_command(stage, program):
     overview = stage.start(program, "--help")
     assert overview.wait(30) == 0, overview
     commands = (
-        ("run", "inspect") if program == LEARNER else ("run", "trace", "placements", "evaluate")
+        ("run", "inspect", "export") if program == LEARNER else ("run", "trace", "placements", "evaluate")
     )
     for command in commands:
         assert command in overview.text, overview

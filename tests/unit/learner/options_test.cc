@@ -195,8 +195,9 @@ TEST_F(OptionsTest, UnknownNamesGetTheNearMissAndTheList) {
   ExpectUsageError(ParseRun({"--hedas=3"}),
                    "unknown option \"--hedas\"; did you mean \"--heads\"?");
   EXPECT_NE(err_.find("--checkpoint-every"), std::string::npos) << "the list is missing";
-  ExpectUsageError(Parse({"rnu", "--run", "x"}),
-                   "unknown command \"rnu\"; did you mean \"run\"? Known: run, inspect, config");
+  ExpectUsageError(
+      Parse({"rnu", "--run", "x"}),
+      "unknown command \"rnu\"; did you mean \"run\"? Known: run, inspect, export, config");
   ExpectUsageError(Parse({"run", "--run", "x", "--task", "psuh"}),
                    "unknown environment \"psuh\"; Known: assembly");
   ExpectUsageError(ParseRun({"--method", "multihaed"}), "did you mean \"multihead\"?");
@@ -208,7 +209,7 @@ TEST_F(OptionsTest, UnknownNamesGetTheNearMissAndTheList) {
 }
 
 TEST_F(OptionsTest, CommandLinesThatMakeNoSenseAreNamed) {
-  ExpectUsageError(Parse({}), "name a command: run, inspect, config");
+  ExpectUsageError(Parse({}), "name a command: run, inspect, export, config");
   ExpectUsageError(Parse({"run", "--task", "push"}), "--run NAME is needed");
   ExpectUsageError(Parse({"run", "--run", "x"}), "environment.task is not set");
   ExpectUsageError(Parse({"run", "--run", "--task", "push"}), "--run needs a value");
