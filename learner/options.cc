@@ -53,6 +53,10 @@ constexpr FieldOption kFieldOptions[] = {
      "50), benchmark (of several tasks, those of the official benchmark)"},
     {"--goal", "environment.goal_visible", "G",
      "hidden or visible: whether observations show the goal [default: visible]"},
+    {"--reward", "environment.reward", "R",
+     "What to learn from: official (the environment's), or success (and 25 more after each step "
+     "with "
+     "success); reports and evaluations have the official one"},
     {"--domain", "runtime.domain", "N", "DDS domain, 0 to 232"},
     {"--transport", "runtime.transport", "X", "udp, shm (shared memory) or tcp"},
     {"--network", "runtime.network", "W",

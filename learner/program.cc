@@ -52,8 +52,8 @@ int Execute(const ExportOptions& options, const algorithm::Algorithms& /*algorit
   try {
     const checkpoint::Checkpoint checkpoint =
         checkpoint::LoadCheckpoint(options.checkpoint, AskActorProgram());
-    process::WriteFileAtomically(
-        options.out, checkpoint::EncodeCheckpoint(checkpoint::PolicyAlone(checkpoint)));
+    process::WriteFileAtomically(options.out,
+                                 checkpoint::EncodeCheckpoint(checkpoint::PolicyAlone(checkpoint)));
     return process::kExitFinished;
   } catch (const std::exception& error) {
     std::cerr << "metronome-learner export: " << error.what() << "\n";

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 
+#include "common/checkpoint/old_config.h"
 #include "common/checkpoint/repeated_field.h"
 #include "common/config/config.h"
 #include "common/policy/network.h"
@@ -19,6 +20,7 @@ static_assert(std::endian::native == std::endian::little, "the frame is copied a
 constexpr std::string_view kMagic = "METRCKPT";
 constexpr std::uint32_t kLastFormatOfPpoAlone = 5;
 constexpr std::uint32_t kLastFormatOfOtherNumbers = 6;
+constexpr std::uint32_t kLastFormatOfOtherDefaults = 7;
 constexpr std::size_t kVersionAt = 8, kLengthAt = 12, kDigestAt = 20, kPayloadAt = 52;
 
 void ToPayload(const TrainState& state, CheckpointPayload& payload) {
@@ -210,6 +212,7 @@ Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name,
   }
   Checkpoint checkpoint;
   checkpoint.config = payload.config();
+  if (format <= kLastFormatOfOtherDefaults) CompleteOldConfig(checkpoint.config);
   Complete(checkpoint.config, name, source);
   RequireValid(checkpoint.config, name);
   checkpoint.state = format <= kLastFormatOfPpoAlone

@@ -28,7 +28,9 @@ namespace metronome::checkpoint {
 ///    PPO's state alone, in the open).
 /// 7: and is of a build whose numbers are those of common/kernels/ and common/numbers/elementary.h
 ///    (before: Eigen's and the C library's; the canonical digest of such a run is not read).
-inline constexpr std::uint32_t kCheckpointFormat = 7;
+/// 8: and may be without settings that have the defaults of today's runs (before: those of
+///    old_config.h).
+inline constexpr std::uint32_t kCheckpointFormat = 8;
 /// The oldest format that is read; the newest is kCheckpointFormat.
 inline constexpr std::uint32_t kOldestCheckpointFormat = 1;
 

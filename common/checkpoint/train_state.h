@@ -20,7 +20,7 @@ inline constexpr std::uint32_t kPolicyAlone = 0;
 
 /// The algorithm's own state, in an encoding that nobody else looks into.
 struct AlgorithmState {
-  std::string name;          // the algorithm's, as configurations name it: "ppo"
+  std::string name;                     // the algorithm's, as configurations name it: "ppo"
   std::uint32_t format = kPolicyAlone;  // of `bytes`: the algorithm's own number, from 1
   std::string bytes;
   bool operator==(const AlgorithmState&) const = default;

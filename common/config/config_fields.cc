@@ -146,8 +146,7 @@ const FieldDescriptor& FindStep(const Message& owner, const std::string& path, s
   const std::string name = path.substr(begin, end - begin);
   const FieldDescriptor* field = type.FindFieldByName(name);
   if (!field) {
-    const std::string where = begin == 0 ? "setting" : "setting of " + path.substr(0, begin - 1);
-    throw ConfigError(text::UnknownName(where, name, FieldNames(type)));
+    throw ConfigError(UnknownSetting(path.substr(0, begin), name, type));
   }
   const bool last = end == path.size();
   if (IsMessage(*field) && last) {
@@ -191,6 +190,16 @@ std::vector<std::string> FieldNames(const Descriptor& message) {
   names.reserve(static_cast<std::size_t>(message.field_count()));
   for (int i = 0; i < message.field_count(); ++i) names.push_back(message.field(i)->name());
   return names;
+}
+
+std::string UnknownSetting(const std::string& prefix, const std::string& name,
+                           const Descriptor& type) {
+  if (prefix + name == "ppo.success_reward") {
+    return prefix + name + " is environment.success_reward now, with environment.reward=success";
+  }
+  const std::string where =
+      prefix.empty() ? "setting" : "setting of " + prefix.substr(0, prefix.size() - 1);
+  return text::UnknownName(where, name, FieldNames(type));
 }
 
 std::vector<std::string> EnumWords(const EnumDescriptor& type) {

@@ -22,6 +22,11 @@ class ConfigError : public std::invalid_argument {
 /// Names of a message's fields, in declaration order.
 std::vector<std::string> FieldNames(const google::protobuf::Descriptor& message);
 
+/// What to say of a name that a group of settings does not have: where it went, or the near miss
+/// and all names. @param prefix  of the group's paths: "" or "policy.".
+std::string UnknownSetting(const std::string& prefix, const std::string& name,
+                           const google::protobuf::Descriptor& type);
+
 /// The words for an enum's values: "ppo-time" for PPO_TIME; a prefix that repeats the enum's own
 /// name is left out ("random" for PLACEMENTS_RANDOM).
 std::vector<std::string> EnumWords(const google::protobuf::EnumDescriptor& type);

@@ -38,6 +38,7 @@ const std::map<std::string, Range>& Ranges() {
       {"policy.hidden", {1, 4096}},
       // Learning moves it from there: 20 leaves room to where no actor can act
       // (common/policy/snapshot.cc).
+      {"environment.success_reward", {0, 1e6}},
       {"policy.initial_log_std", {-20, 20}},
       // Times the largest weight that a snapshot may have (common/policy/snapshot.cc): a finite
       // float32.
@@ -57,7 +58,6 @@ const std::map<std::string, Range>& Ranges() {
       {"ppo.entropy_coefficient_final", {0, kUnbounded}},
       {"ppo.max_gradient_norm", {0, kUnbounded, true}},
       {"ppo.kl_stop", {0, kUnbounded}},
-      {"ppo.success_reward", {0, 1e6}},
       {"ppo.shared_heads_decay", {0, kUnbounded}},
       {"ppo.min_std", {0, 10}},
       {"collection.episodes_per_update", {1, 10000}},

@@ -85,9 +85,7 @@ class Reader {
     const std::string name = Now().text;
     const FieldDescriptor* field = type.FindFieldByName(name);
     if (!field) {
-      const std::string where =
-          prefix.empty() ? "setting" : "setting of " + prefix.substr(0, prefix.size() - 1);
-      SetFault(text::UnknownName(where, name, FieldNames(type)));
+      SetFault(UnknownSetting(prefix, name, type));
       return nullptr;
     }
     if (!seen.insert(name).second && !field->is_repeated()) {

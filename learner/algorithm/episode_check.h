@@ -10,8 +10,8 @@
 namespace metronome::algorithm {
 
 /// Magnitudes beyond which an environment's numbers are taken for a fault: Meta-World's rewards are
-/// at most 10 (before ppo.success_reward, which the learner adds itself), its observations metres
-/// and quaternions.
+/// at most 10 (before environment.success_reward, which the learner adds itself), its observations
+/// metres and quaternions.
 inline constexpr float kLargestReward = 1000;
 inline constexpr float kLargestObservation = 1e6F;
 

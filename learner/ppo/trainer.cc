@@ -12,8 +12,8 @@
 #include "common/policy/snapshot.h"
 #include "common/policy/task_of.h"
 #include "learner/algorithm/algorithm.h"
+#include "learner/algorithm/learning_reward.h"
 #include "learner/ppo/initialise.h"
-#include "learner/ppo/learning_reward.h"
 #include "learner/ppo/minibatch_step.h"
 #include "learner/ppo/running_statistics.h"
 #include "learner/ppo/training_batch.h"
@@ -120,7 +120,7 @@ struct Trainer::Impl {
     for (const Episode& episode : batch) {
       double sum = 0;
       discounted.clear();
-      for (const float reward : LearningReward(episode, config.ppo())) {
+      for (const float reward : algorithm::LearningReward(episode, config.environment())) {
         sum = config.ppo().discount() * sum + reward;
         discounted.push_back(float(sum));
       }

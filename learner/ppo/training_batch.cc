@@ -8,8 +8,8 @@
 #include "common/policy/network_input.h"
 #include "common/policy/packed_network.h"
 #include "common/policy/task_of.h"
+#include "learner/algorithm/learning_reward.h"
 #include "learner/ppo/gae.h"
-#include "learner/ppo/learning_reward.h"
 
 namespace metronome::ppo {
 namespace {
@@ -146,7 +146,7 @@ class EpisodeBuilder {
     const PpoConfig& ppo = source_.config.ppo();
     const float final_value = FinalValue(episode_, source_.config, values_.back());
     values_.pop_back();
-    std::vector<float> rewards = LearningReward(episode_, ppo);
+    std::vector<float> rewards = algorithm::LearningReward(episode_, source_.config.environment());
     for (float& reward : rewards) reward /= source_.reward_scale[task_];
     const GaeResult gae =
         ComputeGae(rewards, values_, final_value, {ppo.discount(), ppo.gae_lambda()});

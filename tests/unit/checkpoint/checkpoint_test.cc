@@ -16,6 +16,7 @@
 #include <numeric>
 #include <system_error>
 
+#include "common/checkpoint/old_config.h"
 #include "common/config/config.h"
 #include "common/policy/network.h"
 #include "common/policy/snapshot.h"
@@ -158,10 +159,10 @@ TEST(CheckpointTest, EveryTruncationAndTrailingBytesAreFound) {
 
 TEST(CheckpointTest, AnotherFormatSaysWhich) {
   EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), kCheckpointFormat)), "");
-  for (const std::uint32_t format : {0U, 9U}) {
+  for (const std::uint32_t format : {0U, kCheckpointFormat + 1}) {
     EXPECT_EQ(ErrorOfDecoding(WithFormat(SmallCheckpoint(), format)),
               "x.ckpt: checkpoint format " + std::to_string(format) +
-                  ", this build reads formats 1 to 7; use a build that knows it");
+                  ", this build reads formats 1 to 8; use a build that knows it");
   }
 }
 
@@ -216,9 +217,22 @@ void ExpectToGoOnAs(const RunConfig& whole, const RunConfig& old, std::uint32_t 
   EXPECT_EQ(config::Resolve(loaded.config).SerializeAsString(), whole.SerializeAsString());
 }
 
+/// A whole configuration of a run of format 7, whose defaults were other ones.
+RunConfig WholeOldConfig() {
+  RunConfig config = SmallCheckpoint().config;
+  config.mutable_environment()->clear_reward();
+  config.mutable_environment()->clear_success_reward();
+  config.mutable_policy()->clear_noise_correlation();
+  config.mutable_policy()->clear_critic_time();
+  config.mutable_ppo()->clear_shared_heads();
+  config.mutable_ppo()->clear_min_std();
+  CompleteOldConfig(config);
+  return config::Resolve(config);
+}
+
 // Old files are without what their format did not know.
 TEST(CheckpointTest, AFileOfFormat5IsDescribedByWhoKnowsItsEnvironment) {
-  const RunConfig whole = SmallCheckpoint().config;
+  const RunConfig whole = WholeOldConfig();
   RunConfig old = whole;
   old.mutable_environment()->clear_spec();
   ExpectToGoOnAs(whole, old, 5);
@@ -229,31 +243,63 @@ TEST(CheckpointTest, AFileOfFormat5IsDescribedByWhoKnowsItsEnvironment) {
 }
 
 TEST(CheckpointTest, AFileOfFormat3GoesOnWithTheOfficialReward) {
-  const RunConfig whole = SmallCheckpoint().config;
+  const RunConfig whole = WholeOldConfig();
   RunConfig old = whole;
   old.mutable_environment()->clear_spec();
-  old.mutable_ppo()->clear_success_reward();
+  old.mutable_environment()->clear_reward();
   ExpectToGoOnAs(whole, old, 3);
 }
 
 TEST(CheckpointTest, AFileOfFormat2GoesOnWithWhiteNoise) {
-  const RunConfig whole = SmallCheckpoint().config;
+  const RunConfig whole = WholeOldConfig();
   RunConfig old = whole;
   old.mutable_environment()->clear_spec();
-  old.mutable_ppo()->clear_success_reward();
+  old.mutable_environment()->clear_reward();
   old.mutable_policy()->clear_noise_correlation();
   ExpectToGoOnAs(whole, old, 2);
 }
 
 TEST(CheckpointTest, AFileOfFormat1GoesOnAsBlocksWithSeparateCriticHeads) {
-  const RunConfig whole = SmallCheckpoint().config;
+  const RunConfig whole = WholeOldConfig();
   RunConfig old = whole;
   old.mutable_environment()->clear_spec();
   old.mutable_policy()->clear_schedule();
   old.mutable_policy()->clear_critic_heads();
   old.mutable_policy()->clear_noise_correlation();
-  old.mutable_ppo()->clear_success_reward();
+  old.mutable_environment()->clear_reward();
   ExpectToGoOnAs(whole, old, 1);
+}
+
+TEST(CheckpointTest, AFileOfFormat7GoesOnWithTheRewardOfItsSuccess) {
+  RunConfig whole = WholeOldConfig();
+  whole.mutable_environment()->set_reward(REWARD_SUCCESS);
+  whole.mutable_environment()->set_success_reward(12.5);
+  RunConfig old = whole;
+  old.mutable_environment()->clear_spec();
+  old.mutable_environment()->clear_reward();
+  old.mutable_environment()->clear_success_reward();
+  ConfigOfFormat7 rewarded;
+  rewarded.mutable_ppo()->set_success_reward(12.5);
+  old.MergeFromString(rewarded.SerializeAsString());
+  ExpectToGoOnAs(whole, old, 5);
+}
+
+TEST(CheckpointTest, AFileOfFormat7HasNothingThatCameAfterIt) {
+  const RunConfig whole = WholeOldConfig();
+  EXPECT_EQ(whole.environment().reward(), REWARD_OFFICIAL);
+  EXPECT_EQ(whole.policy().noise_correlation(), 0);
+  EXPECT_FALSE(whole.policy().critic_time());
+  EXPECT_FALSE(whole.ppo().shared_heads());
+  EXPECT_EQ(whole.ppo().min_std(), 0);
+  RunConfig old = whole;
+  old.mutable_environment()->clear_reward();
+  old.mutable_policy()->clear_critic_time();
+  old.mutable_ppo()->clear_shared_heads();
+  old.mutable_ppo()->clear_min_std();
+  Checkpoint checkpoint = SmallCheckpoint();
+  checkpoint.config = old;
+  const Checkpoint loaded = DecodeCheckpoint(WithFormat(checkpoint, 7), "x.ckpt", test::Describe);
+  EXPECT_TRUE(config::CompareForResume(config::Resolve(loaded.config), whole, false).empty());
 }
 
 // Written by builds of formats 4 and before, and not to be written again.

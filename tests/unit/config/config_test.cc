@@ -155,6 +155,9 @@ TEST(ParseConfigTest, ErrorsNameFileLineAndColumn) {
       ParseErrorOf("sed: 1"),
       "run.cfg:1:1: unknown setting \"sed\"; did you mean \"seed\"? Known: environment, policy, "
       "ppo, custom, collection, runtime, seed, total_steps");
+  EXPECT_EQ(ParseErrorOf("ppo { success_reward: 25 }"),
+            "run.cfg:1:7: ppo.success_reward is environment.success_reward now, with "
+            "environment.reward=success");
   EXPECT_EQ(ParseErrorOf("policy { method: MULTIHED }"),
             "run.cfg:1:18: unknown value of policy.method \"MULTIHED\"; did you mean "
             "\"MULTIHEAD\"? Known: MULTIHEAD, SINGLE, SINGLE_TIME, PPO, PPO_TIME");
@@ -394,7 +397,7 @@ TEST(ValidateTest, EachNumberHasItsRange) {
       {"ppo.entropy_coefficient_final", {"-1", "inf"}, {"0"}},
       {"ppo.max_gradient_norm", {"0", "nan"}, {"1"}},
       {"ppo.kl_stop", {"-1", "nan"}, {"0"}},
-      {"ppo.success_reward", {"-1", "nan", "inf", "1000001"}, {"0", "10"}},
+      {"environment.success_reward", {"-1", "nan", "inf", "1000001"}, {"0", "10"}},
       {"collection.episodes_per_update", {"0", "-16", "10001"}, {"2", "10000"}},
       {"collection.overlap", {"-1", "2"}, {"0", "1"}},
       {"collection.check_share", {"0", "1.5", "nan"}, {"0.01", "1"}},

@@ -153,7 +153,8 @@ TEST(TrainerTest, LearnsWhatTheRewardAsksFor) {
 TEST(TrainerTest, LearnsFromTheRewardOfSuccessAndReportsWithoutIt) {
   const RunConfig config = SmallConfig();
   RunConfig rewarded = config;
-  rewarded.mutable_ppo()->set_success_reward(10);
+  rewarded.mutable_environment()->set_reward(REWARD_SUCCESS);
+  rewarded.mutable_environment()->set_success_reward(10);
   Trainer by_setting(rewarded, Trainer::InitialState(rewarded), 1);
   Trainer by_hand(config, Trainer::InitialState(config), 1);
   std::vector<Episode> episodes = SyntheticBatch(config, SnapshotOf(by_hand.state(), config), 0);
