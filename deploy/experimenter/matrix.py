@@ -33,7 +33,7 @@ from dataclasses import dataclass
 from options import RUN_NAME, RUN_NAME_RULE
 
 ENGINES = ("2.2.2", "3.3.0")
-PLACEMENTS = ("random", "fixed", "mt1")
+PLACEMENTS = ("random", "fixed", "mt1", "benchmark")
 _TOP = {"name", "mujoco", "tasks", "seeds", "steps", "milestones", "evaluate", "set", "arms", "task"}
 _ARM = {"method", "heads", "horizon", "steps", "seeds", "tasks", "set"}
 _TASK = {"set", "steps"}

@@ -37,6 +37,8 @@ ARMS = {
     "independent": Look("heads that share nothing", "#C2A5CF"),
     "wide": Look("first std 1", "#4A3B00"),
     "batch-32": Look("32 episodes an update", "#B2DF8A"),
+    "wide-batch-32": Look("first std 1, 32 episodes an update", "#0000FF"),
+    "task-time": Look("heads by task and time", "#330000"),
     "t100-k20": Look("T = 100: multi-head, k = 20", "#88CCEE", "--"),
     "t100-ppo": Look("T = 100: PPO", "#F28E2B", "--"),
 }
