@@ -18,12 +18,11 @@ std::vector<float> SumOf(const float* pieces, std::size_t size, std::size_t head
 
 SharedHeads::SharedHeads(const policy::NetworkShape& shape) {
   const policy::MlpLayout actor = policy::ActorLayout(shape);
-  AddNetwork(actor, 0, true);
-  AddNetwork(policy::CriticLayout(shape), actor.size, false);
+  AddNetwork(actor, 0);
+  AddNetwork(policy::CriticLayout(shape), actor.size);
 }
 
-void SharedHeads::AddNetwork(const policy::MlpLayout& layout, std::size_t offset,
-                             bool has_log_std) {
+void SharedHeads::AddNetwork(const policy::MlpLayout& layout, std::size_t offset) {
   if (layout.heads < 2) return;
   const auto add = [&](std::size_t first, std::size_t size) {
     pieces_.push_back({offset + first, size, std::size_t(layout.heads)});
@@ -32,7 +31,6 @@ void SharedHeads::AddNetwork(const policy::MlpLayout& layout, std::size_t offset
   const auto outputs = std::size_t(layout.head_outputs);
   add(layout.head.weight, outputs * std::size_t(layout.head.inputs));
   add(layout.head.bias, outputs);
-  if (has_log_std) add(layout.log_std, outputs);
 }
 
 void SharedHeads::MakeEqual(std::vector<float>& parameters) const {

@@ -12,8 +12,9 @@ namespace metronome::ppo {
 /// heads' gradients, so that what one block of time learns all blocks have, and what sets a head
 /// apart from the heads' mean fades where its own samples do not keep it up. These are the
 /// parameters w_0 + v_t of regularised multi-task learning (Evgeniou, Pontil, KDD 2004,
-/// section 2.1), a task a head, with w_0 in the heads themselves. Weights, biases and log-stds
-/// alike; actor and critic apart. A network with one head has nothing to share.
+/// section 2.1), a task a head, with w_0 in the heads themselves. Weights and biases; actor
+/// and critic apart. Log-stds are each head's own: with shared ones the first head that has learnt
+/// its block ends the search of those that have not. A network with one head has nothing to share.
 class SharedHeads {
  public:
   /// Adam's moments of the shared gradient, [size()] each: actor, then critic.
@@ -44,7 +45,7 @@ class SharedHeads {
     std::size_t heads = 0;
   };
 
-  void AddNetwork(const policy::MlpLayout& layout, std::size_t offset, bool has_log_std);
+  void AddNetwork(const policy::MlpLayout& layout, std::size_t offset);
 
   std::vector<Pieces> pieces_;
   std::size_t size_ = 0;

@@ -34,7 +34,6 @@ std::vector<std::vector<std::size_t>> PlacesOf(const policy::NetworkShape& shape
   const auto inputs = std::size_t(actor.head.inputs);
   add(of_actor, actor.head.weight + j * 4 * inputs, 4 * inputs);
   add(of_actor, actor.head.bias + j * 4, 4);
-  add(of_actor, actor.log_std + j * 4, 4);
   add(of_critic, actor.size + critic.head.weight + j * inputs, inputs);
   add(of_critic, actor.size + critic.head.bias + j, 1);
   return {of_actor, of_critic};
