@@ -26,7 +26,7 @@ from harness import ACTOR, BUILD, LEARNER, ROOT, small
 OTHERS = {"git", "cd", "cmake", "ctest", "tensorboard", "prometheus", "scp", "podman", "install", "systemctl", "sbatch", "kubectl",
           "apt-get", "jq", "fast-discovery-server", "cyclonedds", "export", "/usr/bin/python3"}
 OURS = re.compile(r"(?:build(?:-3\.3\.0)?/bin/)?metronome-(?:actor|learner)|(?:deploy|tests)/[a-z_/]+(?:\.sbatch)?")
-SUBCOMMANDS = ("run", "inspect", "config", "status", "evaluate", "render", "trace", "placements", "tasks", "environment")
+SUBCOMMANDS = ("run", "inspect", "export", "config", "status", "evaluate", "render", "trace", "placements", "tasks", "environment")
 # Options of learners that `metronome-learner config` does not have, and the launcher's own; those without a value.
 NOT_OF_CONFIG = {"--run", "--runs", "--runs-dir", "--progress", "--log-level", "--log-format", "--actors", "--envs", "--mujoco", "--build"}
 FLAGS = {"--resume", "--new-total"}
