@@ -5,15 +5,18 @@
 namespace metronome::checkpoint {
 namespace {
 
+// ppo.success_reward said both.
 void CompleteReward(RunConfig& config) {
   EnvironmentConfig& environment = *config.mutable_environment();
   if (environment.has_reward()) return;
+  environment.set_reward(REWARD_OFFICIAL);
+  if (!config.has_ppo()) return;
   ConfigOfFormat7 old;
   old.ParseFromString(config.SerializeAsString());
-  const double success_reward = old.ppo().success_reward();
-  environment.set_reward(success_reward > 0 ? REWARD_SUCCESS : REWARD_OFFICIAL);
-  if (success_reward > 0) environment.set_success_reward(success_reward);
   config.mutable_ppo()->DiscardUnknownFields();
+  if (old.ppo().success_reward() == 0) return;
+  environment.set_reward(REWARD_SUCCESS);
+  environment.set_success_reward(old.ppo().success_reward());
 }
 
 }  // namespace
@@ -22,11 +25,11 @@ void CompleteOldConfig(RunConfig& config) {
   PolicyConfig& policy = *config.mutable_policy();
   if (!policy.has_noise_correlation()) policy.set_noise_correlation(0);
   if (!policy.has_critic_time()) policy.set_critic_time(false);
+  CompleteReward(config);
   if (!config.has_ppo()) return;
   PpoConfig& ppo = *config.mutable_ppo();
   if (!ppo.has_shared_heads()) ppo.set_shared_heads(false);
   if (!ppo.has_min_std()) ppo.set_min_std(0);
-  CompleteReward(config);
 }
 
 }  // namespace metronome::checkpoint

@@ -302,6 +302,15 @@ TEST(CheckpointTest, AFileOfFormat7HasNothingThatCameAfterIt) {
   EXPECT_TRUE(config::CompareForResume(config::Resolve(loaded.config), whole, false).empty());
 }
 
+TEST(CheckpointTest, AFileOfFormat7OfAnotherAlgorithmHasTheOfficialRewardToo) {
+  RunConfig old;
+  old.mutable_custom()->set_name("other");
+  CompleteOldConfig(old);
+  EXPECT_TRUE(old.environment().has_reward());
+  EXPECT_EQ(old.environment().reward(), REWARD_OFFICIAL);
+  EXPECT_TRUE(old.has_custom());
+}
+
 // Written by builds of formats 4 and before, and not to be written again.
 TEST(CheckpointTest, TheCommittedPoliciesLoadWithTheirWeights) {
   const std::string folder = METRONOME_SOURCE_DIR "/results/policies/";
