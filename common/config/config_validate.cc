@@ -31,6 +31,7 @@ const std::map<std::string, Range>& Ranges() {
   static const std::map<std::string, Range> ranges = {
       {"total_steps", {1, kMostTotal}},
       {"environment.horizon", {1, kMaxSteps}},
+      {"environment.success_reward", {0, 1e6}},
       {"environment.spec.observation_size", {1, kMaxObservationSize}},
       {"environment.spec.action_size", {1, kMaxActionSize}},
       {"environment.spec.max_steps", {1, kMaxSteps}},
@@ -38,7 +39,6 @@ const std::map<std::string, Range>& Ranges() {
       {"policy.hidden", {1, 4096}},
       // Learning moves it from there: 20 leaves room to where no actor can act
       // (common/policy/snapshot.cc).
-      {"environment.success_reward", {0, 1e6}},
       {"policy.initial_log_std", {-20, 20}},
       // Times the largest weight that a snapshot may have (common/policy/snapshot.cc): a finite
       // float32.
