@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int32_t kDefaultHeads = 10;
 constexpr std::int32_t kDefaultWidth = 128;
-constexpr std::int64_t kDefaultMinibatch = 1000;
+constexpr std::int64_t kDefaultMinibatch = 2000;
 
 /// Where the first value of `group` came from; nullptr: nobody set one.
 const std::string* OriginOfGroup(const ConfigOrigins& origins, const std::string& group) {

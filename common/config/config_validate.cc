@@ -60,6 +60,7 @@ const std::map<std::string, Range>& Ranges() {
       {"ppo.kl_stop", {0, kUnbounded}},
       {"ppo.shared_heads_decay", {0, kUnbounded}},
       {"ppo.min_std", {0, 10}},
+      {"ppo.std_decay", {0, 1}},
       {"collection.episodes_per_update", {1, 10000}},
       {"collection.overlap", {0, 1}},
       {"collection.check_share", {0, 1, true}},
@@ -247,6 +248,12 @@ void CheckBatch(const RunConfig& config, Complaints& complaints) {
   }
 }
 
+void CheckStds(const PpoConfig& ppo, Complaints& complaints) {
+  if (!(ppo.std_decay() > 0) || ppo.min_std() > 0) return;
+  complaints.Add("ppo.min_std",
+                 "is 0: must be above 0 for ppo.std_decay, which lowers standard deviations to it");
+}
+
 // Only for a shape whose every number is in range.
 void CheckNetworkSize(const RunConfig& config, Complaints& complaints) {
   const std::size_t size = policy::ActorLayout(policy::ShapeOf(config)).size;
@@ -318,6 +325,7 @@ void Validate(const RunConfig& config, const ConfigOrigins& origins) {
   CheckPolicy(config, complaints);
   CheckAlgorithm(config, complaints);
   CheckBatch(config, complaints);
+  if (config.has_ppo()) CheckStds(config.ppo(), complaints);
   CheckRuntime(config, complaints);
   complaints.ThrowIfAny();
   CheckNetworkSize(config, complaints);

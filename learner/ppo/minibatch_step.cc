@@ -230,9 +230,9 @@ struct MinibatchStep::Impl {
     }
   }
 
-  void Descend(double learning_rate, double norm, OptimiserState& state) {
+  void Descend(const StepSettings& settings, double norm, OptimiserState& state) {
     AdamStep adam;
-    adam.learning_rate = float(learning_rate);
+    adam.learning_rate = float(settings.learning_rate);
     adam.epsilon = float(ppo.adam_epsilon());
     adam.step = ++state.adam_steps;
     adam.gradient_scale = float(std::min(1.0, ppo.max_gradient_norm() / (norm + 1e-6)));
@@ -248,8 +248,8 @@ struct MinibatchStep::Impl {
       network.Pack(part, state.parameters.data() + offset);
     });
     apply(actor.layout().log_std, std::size_t(shape.heads) * std::size_t(shape.action));
-    if (ppo.shared_heads()) ShareHeads(step, learning_rate, state);
-    if (ppo.min_std() > 0) RaiseStd(state.parameters.data() + actor.layout().log_std);
+    if (ppo.shared_heads()) ShareHeads(step, settings.learning_rate, state);
+    BoundLogStds(settings, state.parameters.data() + actor.layout().log_std);
   }
 
   void ShareHeads(const Adam& step, double learning_rate, OptimiserState& state) {
@@ -259,10 +259,11 @@ struct MinibatchStep::Impl {
     critic.PackHeads(state.parameters.data() + actor_size);
   }
 
-  void RaiseStd(float* log_std) const {
-    const auto lowest = float(numbers::Log(ppo.min_std()));
+  void BoundLogStds(const StepSettings& settings, float* log_std) const {
+    const auto low = float(settings.min_log_std);
+    const auto high = float(settings.max_log_std);
     std::transform(log_std, log_std + shape.heads * shape.action, log_std,
-                   [lowest](float value) { return std::max(value, lowest); });
+                   [low, high](float value) { return std::clamp(value, low, high); });
   }
 
   // task(network, part of its weights, where the network begins among the parameters).
@@ -329,7 +330,7 @@ MinibatchSums MinibatchStep::Run(const TrainingBatch& batch,
     throw algorithm::NonFiniteUpdate("the gradient is not finite (norm " +
                                      std::to_string(sums.gradient_norm) + ")");
   }
-  impl.Descend(settings.learning_rate, sums.gradient_norm, state);
+  impl.Descend(settings, sums.gradient_norm, state);
   return sums;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -38,6 +39,9 @@ struct OptimiserState {
 struct StepSettings {
   double learning_rate = 0;
   double entropy_coefficient = 0;
+  // Between these all log-stds are after the step.
+  double min_log_std = -std::numeric_limits<double>::infinity();
+  double max_log_std = std::numeric_limits<double>::infinity();
 };
 
 /// One gradient step on one minibatch, on all threads of a team and with the same bits on any

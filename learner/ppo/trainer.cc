@@ -147,6 +147,12 @@ struct Trainer::Impl {
     settings.learning_rate = ppo.learning_rate() * std::max(ppo.learning_rate_floor(), left);
     const double last = ppo.entropy_coefficient_final();
     settings.entropy_coefficient = last + (ppo.entropy_coefficient() - last) * left;
+    if (ppo.min_std() > 0) settings.min_log_std = numbers::Log(ppo.min_std());
+    if (ppo.std_decay() > 0) {
+      const double to_go = std::max(0.0, 1 - (1 - left) / ppo.std_decay());
+      const double way = std::max(0.0, config.policy().initial_log_std() - settings.min_log_std);
+      settings.max_log_std = settings.min_log_std + way * to_go;
+    }
     return settings;
   }
 

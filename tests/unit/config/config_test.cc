@@ -110,8 +110,8 @@ TEST(ResolveTest, FillsEveryField) {
   EXPECT_EQ(config.policy().heads(), 10);
   EXPECT_EQ(config.policy().hidden(0), 128);
   EXPECT_EQ(config.policy().hidden(1), 128);
-  EXPECT_EQ(config.ppo().minibatch(), 1000);
-  EXPECT_EQ(config.total_steps(), 2000000u);
+  EXPECT_EQ(config.ppo().minibatch(), 2000);
+  EXPECT_EQ(config.total_steps(), 3000000u);
   EXPECT_NO_THROW(Validate(config));
 }
 
@@ -121,7 +121,7 @@ TEST(ResolveTest, DerivedDefaultsFollowWhatElseIsSet) {
   config.mutable_environment()->set_horizon(20);
   config = Resolve(config);
   EXPECT_EQ(config.policy().heads(), 1);
-  EXPECT_EQ(config.ppo().minibatch(), 320);
+  EXPECT_EQ(config.ppo().minibatch(), 640);
 }
 
 TEST(ResolveTest, KeepsWhatIsSetAndIsIdempotent) {
@@ -388,7 +388,7 @@ TEST(ValidateTest, EachNumberHasItsRange) {
       {"ppo.learning_rate_floor", {"-0.1", "1.1", "nan"}, {"0", "1"}},
       {"ppo.adam_epsilon", {"0", "nan"}, {"1e-8"}},
       {"ppo.epochs", {"0", "-1"}, {"1"}},
-      {"ppo.minibatch", {"0", "-5", "8001"}, {"1", "8000"}},
+      {"ppo.minibatch", {"0", "-5", "16001"}, {"1", "16000"}},
       {"ppo.clip", {"0", "-0.2", "nan"}, {"0.1"}},
       {"ppo.value_coefficient", {"-1", "nan"}, {"0"}},
       {"ppo.discount", {"-0.1", "1.01", "nan"}, {"0", "1"}},
@@ -397,6 +397,8 @@ TEST(ValidateTest, EachNumberHasItsRange) {
       {"ppo.entropy_coefficient_final", {"-1", "inf"}, {"0"}},
       {"ppo.max_gradient_norm", {"0", "nan"}, {"1"}},
       {"ppo.kl_stop", {"-1", "nan"}, {"0"}},
+      {"ppo.min_std", {"-0.1", "10.1", "nan"}, {"0.01", "10"}},
+      {"ppo.std_decay", {"-0.1", "1.1", "nan"}, {"0", "1"}},
       {"environment.success_reward", {"-1", "nan", "inf", "1000001"}, {"0", "10"}},
       {"collection.episodes_per_update", {"0", "-16", "10001"}, {"2", "10000"}},
       {"collection.overlap", {"-1", "2"}, {"0", "1"}},
@@ -439,8 +441,11 @@ TEST(ValidateTest, ComplaintsNameFieldValueAndWhatIsAllowed) {
             "ppo.learning_rate is nan: must be a finite number, above 0");
   EXPECT_EQ(ComplaintOf("total_steps", "0"),
             "total_steps is 0: must be from 1 to 9007199254740991");
-  EXPECT_EQ(ComplaintOf("ppo.minibatch", "9000"),
-            "ppo.minibatch is 9000: must be at most the steps of an update, 8000 "
+  EXPECT_EQ(ComplaintOf("ppo.min_std", "0"),
+            "ppo.min_std is 0: must be above 0 for ppo.std_decay, which lowers standard deviations "
+            "to it");
+  EXPECT_EQ(ComplaintOf("ppo.minibatch", "17000"),
+            "ppo.minibatch is 17000: must be at most the steps of an update, 16000 "
             "(episodes_per_update * horizon)");
   EXPECT_EQ(ComplaintOf("runtime.transport", "upd"),
             "runtime.transport is an unknown transport \"upd\"; did you mean \"udp\"? Known: udp, "
@@ -510,12 +515,12 @@ RunConfig OfTasks(int tasks) {
 }
 
 TEST(ResolveTest, ABatchOfSeveralTasksHasEquallyManyEpisodesOfEach) {
-  for (const auto& [tasks, episodes] : {std::pair(3, 18), {10, 20}, {16, 16}, {50, 50}}) {
+  for (const auto& [tasks, episodes] : {std::pair(3, 33), {10, 40}, {16, 32}, {50, 50}}) {
     const RunConfig config = Resolve(OfTasks(tasks));
     EXPECT_EQ(config.collection().episodes_per_update(), episodes) << tasks;
     EXPECT_NO_THROW(Validate(config));
   }
-  EXPECT_EQ(Resolve(Push()).collection().episodes_per_update(), 16);
+  EXPECT_EQ(Resolve(Push()).collection().episodes_per_update(), 32);
 }
 
 TEST(ResolveTest, HeadsByTaskAreOneEachUnlessByTimeToo) {
@@ -640,9 +645,9 @@ TEST(CompareForResumeTest, DifferencesNameBothValues) {
 TEST(CompareForResumeTest, AnotherTotalIsAllowedOnlyWhenAskedFor) {
   const RunConfig old_config = Resolve(Push());
   RunConfig changed = old_config;
-  changed.set_total_steps(3000000);
+  changed.set_total_steps(4000000);
   EXPECT_EQ(CompareForResume(old_config, changed, false).at(0),
-            "total_steps: the run has 2000000, asked for 3000000 (the learning rate depends on it; "
+            "total_steps: the run has 3000000, asked for 4000000 (the learning rate depends on it; "
             "--new-total allows it)");
   EXPECT_TRUE(CompareForResume(old_config, changed, true).empty());
   changed.set_seed(9);

@@ -249,7 +249,7 @@ TEST_F(OptionsTest, HelpNamesEveryOptionWithItsDefaultAndExitsZero) {
                                  "--method",
                                  "--heads",
                                  "--steps",
-                                 "[default: 2000000]",
+                                 "[default: 3000000]",
                                  "--seed",
                                  "--horizon",
                                  "--placements",
@@ -295,8 +295,8 @@ TEST_F(OptionsTest, ResumingWithAnotherConfigurationIsRefusedByName) {
   MakeRun(Run({}).config);
   ExpectUsageError(ParseRun({"--resume", "--heads", "5"}),
                    "policy.heads: the run has 10, asked for 5");
-  ExpectUsageError(ParseRun({"--resume", "--steps", "3000000"}), "--new-total allows it");
-  EXPECT_EQ(Run({"--resume", "--steps", "3000000", "--new-total"}).config.total_steps(), 3000000u);
+  ExpectUsageError(ParseRun({"--resume", "--steps", "4000000"}), "--new-total allows it");
+  EXPECT_EQ(Run({"--resume", "--steps", "4000000", "--new-total"}).config.total_steps(), 4000000u);
   SetTask("assembly");
   ExpectUsageError(ParseRun({"--resume"}),
                    "environment.task: the run has push, asked for assembly");

@@ -133,6 +133,25 @@ TEST(TrainerTest, StandardDeviationsStayAtTheirFloor) {
   EXPECT_EQ(least(floored), float(std::log(0.606)));
 }
 
+// Of four updates of one batch each, half are in the decay: before them 0 and 1/2 of it are over.
+TEST(TrainerTest, StandardDeviationsAreLoweredToTheirFloor) {
+  RunConfig config = SmallConfig();
+  config.mutable_policy()->set_initial_log_std(0);
+  config.mutable_ppo()->set_entropy_coefficient(10);  // upwards
+  config.mutable_ppo()->set_min_std(0.25);
+  config.mutable_ppo()->set_std_decay(0.5);
+  const std::uint64_t batch = TrainFor(config, 1, 1).steps;
+  config.set_total_steps(4 * batch);
+  const policy::MlpLayout actor = policy::ActorLayout(policy::ShapeOf(config));
+  const std::vector<float> bounds = {0, std::log(0.5F), std::log(0.25F), std::log(0.25F)};
+  for (int updates = 1; updates <= 4; ++updates) {
+    const PpoState state = TrainFor(config, updates, 1);
+    for (std::size_t i = actor.log_std; i < actor.size; ++i) {
+      EXPECT_NEAR(state.parameters[i], bounds[std::size_t(updates - 1)], 1e-6) << updates;
+    }
+  }
+}
+
 TEST(TrainerTest, LearnsWhatTheRewardAsksFor) {
   RunConfig config = SmallConfig();
   config.set_total_steps(40 * 400);
