@@ -226,6 +226,7 @@ RunConfig WholeOldConfig() {
   config.mutable_policy()->clear_critic_time();
   config.mutable_ppo()->clear_shared_heads();
   config.mutable_ppo()->clear_min_std();
+  config.mutable_ppo()->clear_std_decay();
   CompleteOldConfig(config);
   return config::Resolve(config);
 }
@@ -291,11 +292,13 @@ TEST(CheckpointTest, AFileOfFormat7HasNothingThatCameAfterIt) {
   EXPECT_FALSE(whole.policy().critic_time());
   EXPECT_FALSE(whole.ppo().shared_heads());
   EXPECT_EQ(whole.ppo().min_std(), 0);
+  EXPECT_EQ(whole.ppo().std_decay(), 0);
   RunConfig old = whole;
   old.mutable_environment()->clear_reward();
   old.mutable_policy()->clear_critic_time();
   old.mutable_ppo()->clear_shared_heads();
   old.mutable_ppo()->clear_min_std();
+  old.mutable_ppo()->clear_std_decay();
   Checkpoint checkpoint = SmallCheckpoint();
   checkpoint.config = old;
   const Checkpoint loaded = DecodeCheckpoint(WithFormat(checkpoint, 7), "x.ckpt", test::Describe);

@@ -624,7 +624,10 @@ TEST(CompareForResumeTest, EverythingOutsideRuntimeForbids) {
     const auto type = field.cpp_type();
     using Field = google::protobuf::FieldDescriptor;
     std::string value = "77";
-    if (type == Field::CPPTYPE_ENUM) value = EnumWords(*field.enum_type()).back();
+    if (type == Field::CPPTYPE_ENUM) {
+      const std::vector<std::string> words = EnumWords(*field.enum_type());
+      value = FieldText(owner, field) == words.back() ? words.front() : words.back();
+    }
     if (type == Field::CPPTYPE_BOOL) {
       value = FieldText(owner, field) == "true" ? "false" : "true";
     }

@@ -503,8 +503,8 @@ TEST(InspectTest, JsonHasTheStableKeys) {
   EXPECT_EQ(json.at("critic_heads"), "separate");
   // 39 inputs, 2 units: 80 below the heads; a head of 4 has 12 and 4 log-stds, of the critic 3.
   EXPECT_EQ(json.at("actor_parameters"), 80 + 2 * (12 + 4));
-  EXPECT_EQ(json.at("critic_parameters"), 80 + 2 * 3);
-  EXPECT_EQ(json.at("parameters"), 80 + 2 * (12 + 4) + 80 + 2 * 3);
+  EXPECT_EQ(json.at("critic_parameters"), 82 + 2 * 3);
+  EXPECT_EQ(json.at("parameters"), 80 + 2 * (12 + 4) + 82 + 2 * 3);
   EXPECT_EQ(json.at("engine"), "mujoco-2.2.2");
   EXPECT_EQ(json.at("isa"), "avx2");
   EXPECT_NEAR(json.at("head_std").at(0), 1, 1e-6);
@@ -520,8 +520,8 @@ TEST(InspectTest, ASharedCriticHasTheParametersOfOneHead) {
   record::PrintCheckpointJson(checkpoint, out);
   const auto json = nlohmann::json::parse(out.str());
   EXPECT_EQ(json.at("critic_heads"), "shared");
-  EXPECT_EQ(json.at("critic_parameters"), 80 + 3);
-  EXPECT_EQ(json.at("parameters"), 80 + 2 * (12 + 4) + 80 + 3);
+  EXPECT_EQ(json.at("critic_parameters"), 82 + 3);
+  EXPECT_EQ(json.at("parameters"), 80 + 2 * (12 + 4) + 82 + 3);
   EXPECT_EQ(json.at("head_std").size(), 2U);
 }
 
@@ -530,7 +530,7 @@ TEST(InspectTest, TextNamesTheSame) {
   record::PrintCheckpoint(TwoHeads(), out);
   EXPECT_NE(out.str().find("version           12\n"), std::string::npos) << out.str();
   EXPECT_NE(out.str().find("task              push\n"), std::string::npos);
-  EXPECT_NE(out.str().find("critic_parameters 86\n"), std::string::npos);
+  EXPECT_NE(out.str().find("critic_parameters 88\n"), std::string::npos);
   EXPECT_EQ(out.str().find("initial_weights"), std::string::npos);
 }
 

@@ -26,6 +26,15 @@ inline RunConfig SmallConfig(Method method = MULTIHEAD, int heads = 3, int overl
   config.mutable_policy()->set_heads(method == MULTIHEAD ? heads : 1);
   config.mutable_policy()->add_hidden(13);  // no multiple of a vector's width
   config.mutable_policy()->add_hidden(9);
+  // Heads by themselves and nothing that bends the gradient: tests of more set it.
+  config.mutable_environment()->set_reward(REWARD_OFFICIAL);
+  config.mutable_policy()->set_critic_time(false);
+  config.mutable_policy()->set_initial_log_std(-0.5);
+  config.mutable_policy()->set_noise_correlation(0);
+  config.mutable_ppo()->set_shared_heads(false);
+  config.mutable_ppo()->set_entropy_coefficient(0.005);
+  config.mutable_ppo()->set_min_std(0);
+  config.mutable_ppo()->set_std_decay(0);
   config.mutable_ppo()->set_learning_rate(5e-4);
   config.mutable_ppo()->set_epochs(3);
   config.mutable_ppo()->set_minibatch(150);  // and a smaller last one
