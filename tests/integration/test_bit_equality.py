@@ -124,9 +124,9 @@ def test_one_head_methods_agree_too(stage, method):
         ("policy.critic_heads=shared",),
         ("policy.schedule=shuffled", "policy.critic_heads=shared", "collection.overlap=1"),
         ("ppo.time_limit_value=bootstrap",),
-        ("policy.noise_correlation=0.5",),
-        ("policy.noise_correlation=0.5", "collection.check_share=0.5"),
-        ("ppo.shared_heads=true", "policy.critic_time=true", "ppo.min_std=0.2"),
+        ("policy.noise_correlation=0",),
+        ("policy.noise_correlation=0.8", "collection.check_share=0.5"),
+        ("ppo.shared_heads=false", "policy.critic_time=false", "ppo.min_std=0", "ppo.std_decay=0"),
         # T = 100, k = 20, as many steps in as many updates
         (
             "environment.horizon=100",

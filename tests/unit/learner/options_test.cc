@@ -501,7 +501,8 @@ TEST(InspectTest, JsonHasTheStableKeys) {
   EXPECT_EQ(json.at("heads"), 2);
   EXPECT_EQ(json.at("schedule"), "blocks");
   EXPECT_EQ(json.at("critic_heads"), "separate");
-  // 39 inputs, 2 units: 80 below the heads; a head of 4 has 12 and 4 log-stds, of the critic 3.
+  // 39 inputs, 2 units: 80 below the heads, 82 where the time is an input; a head of 4 has 12 and 4
+  // log-stds, of the critic 3.
   EXPECT_EQ(json.at("actor_parameters"), 80 + 2 * (12 + 4));
   EXPECT_EQ(json.at("critic_parameters"), 82 + 2 * 3);
   EXPECT_EQ(json.at("parameters"), 80 + 2 * (12 + 4) + 82 + 2 * 3);
