@@ -156,6 +156,17 @@ struct Trainer::Impl {
     return settings;
   }
 
+  /// With this batch's part in it.
+  [[nodiscard]] double AdvantageScale(const TrainingBatch& batch) const {
+    const double memory = config.ppo().advantage_memory();
+    if (memory == 0) return 0;
+    policy::RunningStatistics advantages;
+    Merge(advantages, batch.advantage.data(), batch.size(), 1, 1);
+    const double now = StandardDeviation(advantages, 0);
+    if (state.advantage_scale == 0) return now;
+    return memory * state.advantage_scale + (1 - memory) * now;
+  }
+
   // The epochs; returns how many were made.
   std::int32_t Learn(const TrainingBatch& batch, const StepSettings& settings,
                      OptimiserState& optimiser, ReportSums& sums) {
@@ -252,7 +263,8 @@ PpoReport Trainer::Update(const std::vector<Episode>& episodes) {
                                           impl.state.parameters.data(),
                                           {scales.begin(), scales.end()}},
                                          impl.team);
-  const StepSettings settings = impl.Settings();
+  StepSettings settings = impl.Settings();
+  next.advantage_scale = settings.advantage_scale = impl.AdvantageScale(batch);
   OptimiserState optimiser{std::move(next.parameters), std::move(next.adam_m),
                            std::move(next.adam_v), next.adam_steps, std::move(next.shared)};
   ReportSums sums(std::size_t(policy::ShapeOf(impl.config).heads), impl.config.ppo().kl_estimate());

@@ -71,12 +71,13 @@ INSTANTIATE_TEST_SUITE_P(
                        ::testing::Values(SCHEDULE_BLOCKS, SCHEDULE_INTERLEAVED, SCHEDULE_SHUFFLED),
                        ::testing::Values(CRITIC_HEADS_SEPARATE, CRITIC_HEADS_SHARED)));
 
-// Heads that share, a critic that sees the time, a floor of the std.
+// Heads that share, a critic that sees the time, a floor of the std, a scale of advantages.
 RunConfig SharingConfig(int overlap) {
   RunConfig config = SmallConfig(MULTIHEAD, 3, overlap);
   config.mutable_policy()->set_critic_time(true);
   config.mutable_ppo()->set_shared_heads(true);
   config.mutable_ppo()->set_min_std(0.6);
+  config.mutable_ppo()->set_advantage_memory(0.9);
   return config;
 }
 
@@ -131,6 +132,20 @@ TEST(TrainerTest, StandardDeviationsStayAtTheirFloor) {
   };
   EXPECT_LT(least(free), std::log(0.606F));
   EXPECT_EQ(least(floored), float(std::log(0.606)));
+}
+
+TEST(TrainerTest, TheScaleOfAdvantagesKeepsItsShareAndTakesInEachBatch) {
+  RunConfig config = SmallConfig();
+  EXPECT_EQ(TrainFor(config, 2, 1).advantage_scale, 0);
+  config.mutable_ppo()->set_advantage_memory(1);
+  const double first = TrainFor(config, 1, 1).advantage_scale;
+  EXPECT_GT(first, 0);
+  EXPECT_EQ(TrainFor(config, 3, 1).advantage_scale, first);
+  // Whatever the memory, the first update is the same, and so is the second batch.
+  config.mutable_ppo()->set_advantage_memory(0.5);
+  const double second = 2 * TrainFor(config, 2, 1).advantage_scale - first;
+  config.mutable_ppo()->set_advantage_memory(0.75);
+  EXPECT_NEAR(TrainFor(config, 2, 1).advantage_scale, 0.75 * first + 0.25 * second, 1e-12);
 }
 
 // Of four updates of one batch each, half are in the decay: before them 0 and 1/2 of it are over.
