@@ -23,8 +23,7 @@ struct PpoState : checkpoint::RunCounters {
   std::vector<policy::RunningStatistics> observation;
   /// One a task, [tasks], of 1 dimension: discounted return, the reward's scale.
   std::vector<policy::RunningStatistics> reward_return;
-  /// Running mean of the standard deviations of batches' advantages (ppo.advantage_memory); 0: none
-  /// yet.
+  /// The largest standard deviation of a batch's advantages, faded since (ppo.advantage_memory).
   double advantage_scale = 0;
   /// overlap 1: what version - 1 acted with; batch `version` was played under it.
   std::vector<float> previous_actor;

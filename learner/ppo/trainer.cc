@@ -162,9 +162,7 @@ struct Trainer::Impl {
     if (memory == 0) return 0;
     policy::RunningStatistics advantages;
     Merge(advantages, batch.advantage.data(), batch.size(), 1, 1);
-    const double now = StandardDeviation(advantages, 0);
-    if (state.advantage_scale == 0) return now;
-    return memory * state.advantage_scale + (1 - memory) * now;
+    return std::max(StandardDeviation(advantages, 0), memory * state.advantage_scale);
   }
 
   // The epochs; returns how many were made.

@@ -134,18 +134,21 @@ TEST(TrainerTest, StandardDeviationsStayAtTheirFloor) {
   EXPECT_EQ(least(floored), float(std::log(0.606)));
 }
 
-TEST(TrainerTest, TheScaleOfAdvantagesKeepsItsShareAndTakesInEachBatch) {
+TEST(TrainerTest, TheScaleOfAdvantagesIsTheLargestAndFades) {
   RunConfig config = SmallConfig();
   EXPECT_EQ(TrainFor(config, 2, 1).advantage_scale, 0);
-  config.mutable_ppo()->set_advantage_memory(1);
-  const double first = TrainFor(config, 1, 1).advantage_scale;
-  EXPECT_GT(first, 0);
-  EXPECT_EQ(TrainFor(config, 3, 1).advantage_scale, first);
-  // Whatever the memory, the first update is the same, and so is the second batch.
   config.mutable_ppo()->set_advantage_memory(0.5);
-  const double second = 2 * TrainFor(config, 2, 1).advantage_scale - first;
-  config.mutable_ppo()->set_advantage_memory(0.75);
-  EXPECT_NEAR(TrainFor(config, 2, 1).advantage_scale, 0.75 * first + 0.25 * second, 1e-12);
+  PpoState state = TrainFor(config, 1, 1);
+  EXPECT_GT(state.advantage_scale, 0);
+  const auto batch = SyntheticBatch(config, SnapshotOf(state, config), 1);
+  state.advantage_scale = 8;
+  Trainer faded(config, state, 1);
+  faded.Update(batch);
+  EXPECT_EQ(faded.state().advantage_scale, 4);
+  state.advantage_scale = 1e-3;
+  Trainer exceeded(config, state, 1);
+  exceeded.Update(batch);
+  EXPECT_GT(exceeded.state().advantage_scale, 0.01);
 }
 
 // Of four updates of one batch each, half are in the decay: before them 0 and 1/2 of it are over.
