@@ -31,7 +31,6 @@ void CompleteOldConfig(RunConfig& config) {
   if (!ppo.has_shared_heads()) ppo.set_shared_heads(false);
   if (!ppo.has_min_std()) ppo.set_min_std(0);
   if (!ppo.has_std_decay()) ppo.set_std_decay(0);
-  if (!ppo.has_advantage_memory()) ppo.set_advantage_memory(0);
 }
 
 }  // namespace metronome::checkpoint

@@ -61,7 +61,6 @@ const std::map<std::string, Range>& Ranges() {
       {"ppo.shared_heads_decay", {0, kUnbounded}},
       {"ppo.min_std", {0, 10}},
       {"ppo.std_decay", {0, 1}},
-      {"ppo.advantage_memory", {0, 1}},
       {"collection.episodes_per_update", {1, 10000}},
       {"collection.overlap", {0, 1}},
       {"collection.check_share", {0, 1, true}},

@@ -322,9 +322,6 @@ MinibatchSums MinibatchStep::Run(const TrainingBatch& batch,
   impl.Sort(batch, samples);
   impl.inv_samples = 1.0F / float(samples.size());
   impl.advantage = AdvantageMoments(batch.advantage, samples);
-  if (settings.advantage_scale > 0) {
-    impl.advantage.inv_std = std::min(impl.advantage.inv_std, float(1 / settings.advantage_scale));
-  }
   impl.Pass(batch, state.parameters.data());
   MinibatchSums sums;
   sums.gradient_norm =

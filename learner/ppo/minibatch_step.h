@@ -39,8 +39,6 @@ struct OptimiserState {
 struct StepSettings {
   double learning_rate = 0;
   double entropy_coefficient = 0;
-  // Advantages are divided by this at least; 0: by their own standard deviation.
-  double advantage_scale = 0;
   // Between these all log-stds are after the step.
   double min_log_std = -std::numeric_limits<double>::infinity();
   double max_log_std = std::numeric_limits<double>::infinity();

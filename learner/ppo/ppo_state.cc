@@ -50,7 +50,6 @@ std::string BytesOf(const PpoState& state) {
   ToPayload(state.previous_observation, *payload.mutable_previous_observation());
   payload.mutable_shared_m()->Assign(state.shared.m.begin(), state.shared.m.end());
   payload.mutable_shared_v()->Assign(state.shared.v.begin(), state.shared.v.end());
-  payload.set_advantage_scale(state.advantage_scale);
   return payload.SerializeAsString();
 }
 
@@ -142,7 +141,6 @@ PpoState DecodePpoState(const checkpoint::TrainState& encoded, const RunConfig& 
   state.previous_observation = FromPayload(payload.previous_observation());
   state.shared.m = checkpoint::FromField(payload.shared_m());
   state.shared.v = checkpoint::FromField(payload.shared_v());
-  state.advantage_scale = payload.advantage_scale();
   // Of files from before overlap.
   if (state.previous_observation.empty())
     state.previous_observation.resize(policy::TaskCount(config));

@@ -23,8 +23,6 @@ struct PpoState : checkpoint::RunCounters {
   std::vector<policy::RunningStatistics> observation;
   /// One a task, [tasks], of 1 dimension: discounted return, the reward's scale.
   std::vector<policy::RunningStatistics> reward_return;
-  /// The largest standard deviation of a batch's advantages, faded since (ppo.advantage_memory).
-  double advantage_scale = 0;
   /// overlap 1: what version - 1 acted with; batch `version` was played under it.
   std::vector<float> previous_actor;
   std::vector<policy::RunningStatistics> previous_observation;  // [tasks]
@@ -37,8 +35,8 @@ PolicySnapshot SnapshotOf(const PpoState& state, const RunConfig& config);
 PolicySnapshot PreviousSnapshotOf(const PpoState& state, const RunConfig& config);
 
 /// AlgorithmState::format of what EncodePpoState makes; grows whenever an older build would misread
-/// it. 1: without shared heads; 2: without the advantages' scale.
-inline constexpr std::uint32_t kPpoStateFormat = 3;
+/// it. 1: without shared heads.
+inline constexpr std::uint32_t kPpoStateFormat = 2;
 
 /// As a checkpoint keeps it, and back. @param config  resolved.
 /// @throws UnusableState (learner/algorithm/algorithm_factory.h) for another algorithm's state, an

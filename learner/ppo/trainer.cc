@@ -156,15 +156,6 @@ struct Trainer::Impl {
     return settings;
   }
 
-  /// With this batch's part in it.
-  [[nodiscard]] double AdvantageScale(const TrainingBatch& batch) const {
-    const double memory = config.ppo().advantage_memory();
-    if (memory == 0) return 0;
-    policy::RunningStatistics advantages;
-    Merge(advantages, batch.advantage.data(), batch.size(), 1, 1);
-    return std::max(StandardDeviation(advantages, 0), memory * state.advantage_scale);
-  }
-
   // The epochs; returns how many were made.
   std::int32_t Learn(const TrainingBatch& batch, const StepSettings& settings,
                      OptimiserState& optimiser, ReportSums& sums) {
@@ -261,8 +252,7 @@ PpoReport Trainer::Update(const std::vector<Episode>& episodes) {
                                           impl.state.parameters.data(),
                                           {scales.begin(), scales.end()}},
                                          impl.team);
-  StepSettings settings = impl.Settings();
-  next.advantage_scale = settings.advantage_scale = impl.AdvantageScale(batch);
+  const StepSettings settings = impl.Settings();
   OptimiserState optimiser{std::move(next.parameters), std::move(next.adam_m),
                            std::move(next.adam_v), next.adam_steps, std::move(next.shared)};
   ReportSums sums(std::size_t(policy::ShapeOf(impl.config).heads), impl.config.ppo().kl_estimate());

@@ -399,7 +399,6 @@ TEST(ValidateTest, EachNumberHasItsRange) {
       {"ppo.kl_stop", {"-1", "nan"}, {"0"}},
       {"ppo.min_std", {"-0.1", "10.1", "nan"}, {"0.01", "10"}},
       {"ppo.std_decay", {"-0.1", "1.1", "nan"}, {"0", "1"}},
-      {"ppo.advantage_memory", {"-0.1", "1.1", "nan"}, {"0", "1"}},
       {"environment.success_reward", {"-1", "nan", "inf", "1000001"}, {"0", "10"}},
       {"collection.episodes_per_update", {"0", "-16", "10001"}, {"2", "10000"}},
       {"collection.overlap", {"-1", "2"}, {"0", "1"}},

@@ -167,29 +167,6 @@ TEST(MinibatchStepTest, AStepIsAdamOnTheClippedGradient) {
   EXPECT_EQ(prepared.state.adam_steps, 1U);
 }
 
-// The policy's gradient is as large as the advantages.
-TEST(MinibatchStepTest, AdvantagesAreDividedByTheirOwnStdOrTheScaleIfThatIsLarger) {
-  RunConfig config = SmallConfig();
-  WorkerTeam team(1);
-  const auto gradient = [&](double scale) {
-    Prepared prepared = Prepare(config, team);
-    MinibatchStep step(config, team);
-    step.Begin(prepared.state);
-    StepSettings settings;
-    settings.learning_rate = 1e-3;
-    settings.advantage_scale = scale;
-    step.Run(prepared.batch, prepared.samples, settings, prepared.state);
-    const std::size_t actor = policy::ActorLayout(policy::ShapeOf(config)).size;
-    return std::vector<float>(step.gradient().begin(),
-                              step.gradient().begin() + std::ptrdiff_t(actor));
-  };
-  EXPECT_EQ(gradient(1e-6), gradient(0));
-  EXPECT_NE(gradient(16), gradient(0));
-  std::vector<float> twice = gradient(32);
-  for (float& value : twice) value *= 2;
-  EXPECT_EQ(gradient(16), twice);
-}
-
 // The passes read packed copies of the parameters, which each step has to renew.
 TEST(MinibatchStepTest, AStepGoesOnFromAllThatTheOneBeforeChanged) {
   RunConfig config = SmallConfig();

@@ -71,13 +71,12 @@ INSTANTIATE_TEST_SUITE_P(
                        ::testing::Values(SCHEDULE_BLOCKS, SCHEDULE_INTERLEAVED, SCHEDULE_SHUFFLED),
                        ::testing::Values(CRITIC_HEADS_SEPARATE, CRITIC_HEADS_SHARED)));
 
-// Heads that share, a critic that sees the time, a floor of the std, a scale of advantages.
+// Heads that share, a critic that sees the time, a floor of the std.
 RunConfig SharingConfig(int overlap) {
   RunConfig config = SmallConfig(MULTIHEAD, 3, overlap);
   config.mutable_policy()->set_critic_time(true);
   config.mutable_ppo()->set_shared_heads(true);
   config.mutable_ppo()->set_min_std(0.6);
-  config.mutable_ppo()->set_advantage_memory(0.9);
   return config;
 }
 
@@ -132,23 +131,6 @@ TEST(TrainerTest, StandardDeviationsStayAtTheirFloor) {
   };
   EXPECT_LT(least(free), std::log(0.606F));
   EXPECT_EQ(least(floored), float(std::log(0.606)));
-}
-
-TEST(TrainerTest, TheScaleOfAdvantagesIsTheLargestAndFades) {
-  RunConfig config = SmallConfig();
-  EXPECT_EQ(TrainFor(config, 2, 1).advantage_scale, 0);
-  config.mutable_ppo()->set_advantage_memory(0.5);
-  PpoState state = TrainFor(config, 1, 1);
-  EXPECT_GT(state.advantage_scale, 0);
-  const auto batch = SyntheticBatch(config, SnapshotOf(state, config), 1);
-  state.advantage_scale = 8;
-  Trainer faded(config, state, 1);
-  faded.Update(batch);
-  EXPECT_EQ(faded.state().advantage_scale, 4);
-  state.advantage_scale = 1e-3;
-  Trainer exceeded(config, state, 1);
-  exceeded.Update(batch);
-  EXPECT_GT(exceeded.state().advantage_scale, 0.01);
 }
 
 // Of four updates of one batch each, half are in the decay: before them 0 and 1/2 of it are over.
