@@ -38,7 +38,7 @@ ARMS = {
     "wide": Look("first std 1", "#4A3B00"),
     "batch-32": Look("32 episodes an update", "#B2DF8A"),
     "wide-batch-32": Look("first std 1, 32 episodes an update", "#0000FF"),
-    "std-decay": Look("first std 1, 32 episodes, std falls", "#FF1493"),
+    "std-decay": Look("first std 1, 32 episodes, std falls", "#FF8C00"),
     "std-decay-3e-4": Look("the same, rate 3e-4", "#7FFFD4", "--"),
     "task-time": Look("heads by task and time", "#330000"),
     "t100-k20": Look("T = 100: multi-head, k = 20", "#88CCEE", "--"),
