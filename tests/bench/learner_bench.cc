@@ -55,6 +55,9 @@ RunConfig ConfigOf(const Options& options) {
   config.mutable_ppo()->set_minibatch(options.minibatch);
   config.mutable_ppo()->set_epochs(options.epochs);
   config.mutable_ppo()->set_kl_stop(0);
+  // Plain PPO, as the peers have it.
+  config.mutable_policy()->set_critic_time(false);
+  config.mutable_ppo()->set_shared_heads(false);
   config.mutable_collection()->set_episodes_per_update(options.episodes);
   return config::Resolve(config);
 }

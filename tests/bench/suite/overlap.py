@@ -56,8 +56,8 @@ def measure(options, record):
         for task in options.tasks:
             for setting, arguments in SETTINGS.items():
                 wide = setting.startswith("wide")
-                updates = 2 if options.quick else 4 if wide else 16
-                steps = updates * (50000 if wide else 8000)
+                updates = 2 if options.quick else 4 if wide else 8
+                steps = updates * (50000 if wide else 16000)
                 record(case=task, quantity=setting, unit="steps/s", round=round_number,
                        value=rate(options, task, steps, arguments))
 

@@ -13,6 +13,12 @@ HELP = "training steps a second end to end, against peers and two threads of the
 EACH_ENGINE = True
 
 OURS, BARE, TORCH, SB3 = "Metronome", "bare x2", "PyTorch on EnvPool", "Stable-Baselines3"
+# Plain PPO, as the peers have it.
+SETTINGS = [
+    "collection.episodes_per_update=16", "environment.reward=official", "policy.critic_time=false",
+    "policy.initial_log_std=-0.5", "policy.noise_correlation=0", "ppo.entropy_coefficient=0.005", "ppo.kl_stop=0",
+    "ppo.min_std=0", "ppo.minibatch=1000", "ppo.shared_heads=false", "ppo.std_decay=0",
+]
 USES = ["physics", "reset", "policy", "rollout", "wire", "check", "update", "save", "set-up"]
 
 
@@ -25,7 +31,8 @@ def measure(options, record):
                 record(case=task, quantity=quantity, unit=unit, round=round_number, value=value, engine=engine)
 
             note(BARE, loops.rates(options.build, task, options.quick, "bare")["bare x2"])
-            rows, uses = _train.run(options, task, steps=8000 * updates, arguments=["--set", "ppo.kl_stop=0"])
+            settings = [word for setting in SETTINGS for word in ("--set", setting)]
+            rows, uses = _train.run(options, task, steps=8000 * updates, arguments=settings)
             note(OURS, _train.steady_rate(rows))
             for use in USES:
                 note(f"CPU {use}", uses.get(use, 0), "s")
