@@ -40,6 +40,7 @@ ARMS = {
     "wide-batch-32": Look("first std 1, 32 episodes an update", "#0000FF"),
     "std-decay": Look("first std 1, 32 episodes, std falls", "#FF8C00"),
     "std-decay-3e-4": Look("the same, rate 3e-4", "#7FFFD4", "--"),
+    "std-decay-16": Look("first std 1, std falls, rate 3e-4", "#FF22EE"),
     "task-time": Look("heads by task and time", "#330000"),
     "t100-k20": Look("T = 100: multi-head, k = 20", "#88CCEE", "--"),
     "t100-ppo": Look("T = 100: PPO", "#F28E2B", "--"),
