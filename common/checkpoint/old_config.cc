@@ -31,6 +31,8 @@ void CompleteOldConfig(RunConfig& config) {
   if (!ppo.has_shared_heads()) ppo.set_shared_heads(false);
   if (!ppo.has_min_std()) ppo.set_min_std(0);
   if (!ppo.has_std_decay()) ppo.set_std_decay(0);
+  if (!ppo.has_log_std_rate()) ppo.set_log_std_rate(1);
+  if (!ppo.has_reward_scale_decay()) ppo.set_reward_scale_decay(1);
 }
 
 }  // namespace metronome::checkpoint

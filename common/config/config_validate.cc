@@ -61,6 +61,8 @@ const std::map<std::string, Range>& Ranges() {
       {"ppo.shared_heads_decay", {0, kUnbounded}},
       {"ppo.min_std", {0, 10}},
       {"ppo.std_decay", {0, 1}},
+      {"ppo.log_std_rate", {0, kUnbounded}},
+      {"ppo.reward_scale_decay", {0, 1, true}},
       {"collection.episodes_per_update", {1, 10000}},
       {"collection.overlap", {0, 1}},
       {"collection.check_share", {0, 1, true}},

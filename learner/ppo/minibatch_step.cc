@@ -237,17 +237,20 @@ struct MinibatchStep::Impl {
     adam.step = ++state.adam_steps;
     adam.gradient_scale = float(std::min(1.0, ppo.max_gradient_norm() / (norm + 1e-6)));
     const Adam step(adam);
-    const auto apply = [&](std::size_t first, std::size_t count) {
-      step.Apply(gradient.data() + first, state.parameters.data() + first,
-                 state.adam_m.data() + first, state.adam_v.data() + first, count);
+    adam.learning_rate *= float(ppo.log_std_rate());
+    const Adam of_log_stds(adam);
+    const auto apply = [&](const Adam& by, std::size_t first, std::size_t count) {
+      by.Apply(gradient.data() + first, state.parameters.data() + first,
+               state.adam_m.data() + first, state.adam_v.data() + first, count);
     };
     ForEachPart([&](Mlp& network, std::size_t part, std::size_t offset) {
       for (const ParameterRange& range : network.RangesOf(part)) {
-        apply(offset + range.first, range.count);
+        apply(step, offset + range.first, range.count);
       }
       network.Pack(part, state.parameters.data() + offset);
     });
-    apply(actor.layout().log_std, std::size_t(shape.heads) * std::size_t(shape.action));
+    apply(of_log_stds, actor.layout().log_std,
+          std::size_t(shape.heads) * std::size_t(shape.action));
     if (ppo.shared_heads()) ShareHeads(step, settings.learning_rate, state);
     BoundLogStds(settings, state.parameters.data() + actor.layout().log_std);
   }

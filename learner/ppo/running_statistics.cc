@@ -33,6 +33,11 @@ void Merge(policy::RunningStatistics& statistics, const float* values, std::size
   statistics.count = total;
 }
 
+void Decay(policy::RunningStatistics& statistics, double factor) {
+  statistics.count *= factor;
+  for (double& m2 : statistics.m2) m2 *= factor;
+}
+
 double StandardDeviation(const policy::RunningStatistics& statistics, std::size_t dimension) {
   if (statistics.count == 0) return 1;
   return std::sqrt(statistics.m2.at(dimension) / statistics.count);

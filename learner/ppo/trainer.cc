@@ -116,6 +116,9 @@ struct Trainer::Impl {
   // Discounted returns of the batch enter the reward's scale before it is used: the scale is the
   // learner's alone, no actor has acted on it.
   void MergeRewards(const std::vector<Episode>& batch, PpoState& next) const {
+    for (policy::RunningStatistics& of_task : next.reward_return) {
+      Decay(of_task, config.ppo().reward_scale_decay());
+    }
     std::vector<float> discounted;
     for (const Episode& episode : batch) {
       double sum = 0;

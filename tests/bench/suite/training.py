@@ -17,7 +17,8 @@ OURS, BARE, TORCH, SB3 = "Metronome", "bare x2", "PyTorch on EnvPool", "Stable-B
 SETTINGS = [
     "collection.episodes_per_update=16", "environment.reward=official", "policy.critic_time=false",
     "policy.initial_log_std=-0.5", "policy.noise_correlation=0", "ppo.entropy_coefficient=0.005", "ppo.kl_stop=0",
-    "ppo.min_std=0", "ppo.minibatch=1000", "ppo.shared_heads=false", "ppo.std_decay=0",
+    "ppo.log_std_rate=1", "ppo.min_std=0", "ppo.minibatch=1000", "ppo.reward_scale_decay=1", "ppo.shared_heads=false",
+    "ppo.std_decay=0",
 ]
 USES = ["physics", "reset", "policy", "rollout", "wire", "check", "update", "save", "set-up"]
 

@@ -227,6 +227,8 @@ RunConfig WholeOldConfig() {
   config.mutable_ppo()->clear_shared_heads();
   config.mutable_ppo()->clear_min_std();
   config.mutable_ppo()->clear_std_decay();
+  config.mutable_ppo()->clear_log_std_rate();
+  config.mutable_ppo()->clear_reward_scale_decay();
   CompleteOldConfig(config);
   return config::Resolve(config);
 }
@@ -293,12 +295,16 @@ TEST(CheckpointTest, AFileOfFormat7HasNothingThatCameAfterIt) {
   EXPECT_FALSE(whole.ppo().shared_heads());
   EXPECT_EQ(whole.ppo().min_std(), 0);
   EXPECT_EQ(whole.ppo().std_decay(), 0);
+  EXPECT_EQ(whole.ppo().log_std_rate(), 1);
+  EXPECT_EQ(whole.ppo().reward_scale_decay(), 1);
   RunConfig old = whole;
   old.mutable_environment()->clear_reward();
   old.mutable_policy()->clear_critic_time();
   old.mutable_ppo()->clear_shared_heads();
   old.mutable_ppo()->clear_min_std();
   old.mutable_ppo()->clear_std_decay();
+  old.mutable_ppo()->clear_log_std_rate();
+  old.mutable_ppo()->clear_reward_scale_decay();
   Checkpoint checkpoint = SmallCheckpoint();
   checkpoint.config = old;
   const Checkpoint loaded = DecodeCheckpoint(WithFormat(checkpoint, 7), "x.ckpt", test::Describe);

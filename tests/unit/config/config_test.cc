@@ -399,6 +399,8 @@ TEST(ValidateTest, EachNumberHasItsRange) {
       {"ppo.kl_stop", {"-1", "nan"}, {"0"}},
       {"ppo.min_std", {"-0.1", "10.1", "nan"}, {"0.01", "10"}},
       {"ppo.std_decay", {"-0.1", "1.1", "nan"}, {"0", "1"}},
+      {"ppo.reward_scale_decay", {"0", "-0.1", "1.1", "nan"}, {"0.5", "1"}},
+      {"ppo.log_std_rate", {"-1", "inf", "nan"}, {"0", "20"}},
       {"environment.success_reward", {"-1", "nan", "inf", "1000001"}, {"0", "10"}},
       {"collection.episodes_per_update", {"0", "-16", "10001"}, {"2", "10000"}},
       {"collection.overlap", {"-1", "2"}, {"0", "1"}},

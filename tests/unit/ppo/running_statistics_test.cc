@@ -22,6 +22,20 @@ TEST(RunningStatisticsTest, MergingInPartsEqualsTheMomentsOfTheWhole) {
   EXPECT_NEAR(StandardDeviation(statistics, 1), std::sqrt(11750.0 / 5 - 36.0), 1e-12);
 }
 
+// By hand: 0 and 2 (mean 1, sum of squares 2) count half, 4 and 8 wholly: mean (1 + 12) / 3, and
+// E[x^2] = (2 + 80) / 3.
+TEST(RunningStatisticsTest, WhatHasDecayedCountsLess) {
+  const std::vector<float> values = {0, 2, 4, 8};
+  policy::RunningStatistics statistics;
+  Merge(statistics, values.data(), 2, 1, 1);
+  Decay(statistics, 0.5);
+  EXPECT_EQ(StandardDeviation(statistics, 0), 1);
+  Merge(statistics, values.data() + 2, 2, 1, 1);
+  EXPECT_EQ(statistics.count, 3);
+  EXPECT_NEAR(statistics.mean[0], 13.0 / 3, 1e-12);
+  EXPECT_NEAR(StandardDeviation(statistics, 0), std::sqrt(82.0 / 3 - 169.0 / 9), 1e-12);
+}
+
 TEST(RunningStatisticsTest, TheStrideSkipsWhatLiesBetween) {
   const std::vector<float> values = {1, 99, 3, 99};
   policy::RunningStatistics statistics;

@@ -152,6 +152,40 @@ TEST(TrainerTest, StandardDeviationsAreLoweredToTheirFloor) {
   }
 }
 
+// Adam's first step is the rate, but for its epsilon.
+TEST(TrainerTest, LogStdsLearnByARateOfTheirOwn) {
+  RunConfig config = SmallConfig();
+  config.mutable_ppo()->set_epochs(1);
+  config.mutable_ppo()->set_minibatch(config.collection().episodes_per_update() *
+                                      config.environment().horizon());
+  config.mutable_ppo()->set_entropy_coefficient(10);  // all the same way
+  config.mutable_ppo()->set_entropy_coefficient_final(10);
+  config.mutable_ppo()->set_max_gradient_norm(1e9);
+  const PpoState same = TrainFor(config, 1, 1);
+  config.mutable_ppo()->set_log_std_rate(10);
+  const PpoState faster = TrainFor(config, 1, 1);
+  const policy::MlpLayout actor = policy::ActorLayout(policy::ShapeOf(config));
+  const auto first = float(config.policy().initial_log_std());
+  const auto rate = float(config.ppo().learning_rate());
+  for (std::size_t i = 0; i < same.parameters.size(); ++i) {
+    if (i < actor.log_std || i >= actor.size) {
+      ASSERT_EQ(faster.parameters[i], same.parameters[i]) << i;
+    } else {
+      EXPECT_NEAR(same.parameters[i] - first, rate, 1e-3 * rate) << i;
+      EXPECT_NEAR(faster.parameters[i] - first, 10 * rate, 1e-2 * rate) << i;
+    }
+  }
+}
+
+// Without decay each batch, equally long, counts as much as the one before it.
+TEST(TrainerTest, TheScaleOfRewardsForgetsEarlierBatches) {
+  RunConfig config = SmallConfig();
+  const double batch = TrainFor(config, 1, 1).reward_return[0].count;
+  EXPECT_EQ(TrainFor(config, 3, 1).reward_return[0].count, 3 * batch);
+  config.mutable_ppo()->set_reward_scale_decay(0.5);
+  EXPECT_EQ(TrainFor(config, 3, 1).reward_return[0].count, 1.75 * batch);
+}
+
 TEST(TrainerTest, LearnsWhatTheRewardAsksFor) {
   RunConfig config = SmallConfig();
   config.set_total_steps(40 * 400);
