@@ -33,7 +33,7 @@ ARMS = {
     "k5": Look("multi-head, k = 5", "#DDCC77"),
     "k20": Look("multi-head, k = 20", "#DA8BC3"),
     "k50": Look("multi-head, k = 50", "#332288"),
-    "batch-16": Look("16 episodes an update", "#FF8C00"),
+    "forgetting": Look("scale of rewards forgets", "#FF8C00"),
     "fast-std": Look("standard deviations learnt quickly", "#0000FF"),
     "task-time": Look("heads by task and time", "#330000"),
     "t100-k20": Look("T = 100: multi-head, k = 20", "#88CCEE", "--"),
