@@ -15,7 +15,7 @@ EPISODE_BYTES = 92_000
 # actor and critic, what learners would have to sum.
 ACTOR_BYTES, ALL_BYTES = 4 * 26_832, 4 * 49_754
 CROWD_BATCH = 1024  # tests/bench/suite/crowd.py
-GROUPS = 32  # of a minibatch's samples (learner/ppo/mlp.h): a machine takes whole ones
+GROUPS = 32  # of a minibatch's samples (learner/network/mlp.h): a machine takes whole ones
 
 
 class MissingFigure(Exception):

@@ -7,8 +7,8 @@
 #include "common/numbers/elementary.h"
 #include "common/policy/gaussian.h"
 #include "learner/algorithm/algorithm.h"
-#include "learner/ppo/adam.h"
-#include "learner/ppo/mlp.h"
+#include "learner/network/adam.h"
+#include "learner/network/mlp.h"
 #include "learner/ppo/ppo_loss.h"
 
 namespace metronome::ppo {
@@ -71,7 +71,7 @@ std::vector<HeadRun> RunsOf(const std::vector<std::uint16_t>& heads, std::size_t
 }  // namespace
 
 struct MinibatchStep::Impl {
-  Impl(const RunConfig& config, WorkerTeam& worker_team)
+  Impl(const RunConfig& config, network::WorkerTeam& worker_team)
       : shape(policy::ShapeOf(config)),
         ppo(config.ppo()),
         team(worker_team),
@@ -202,7 +202,7 @@ struct MinibatchStep::Impl {
 
   [[nodiscard]] ActionArray SumOverGroups(const HeadRun& run) const {
     ActionArray sum{};
-    for (std::size_t g = 0; g < SampleGroups::kGroups; ++g) {
+    for (std::size_t g = 0; g < network::SampleGroups::kGroups; ++g) {
       const HeadRun part = groups.PartOf(run, g);
       ActionArray chain{};
       for (std::size_t row = part.begin; row < part.end(); ++row) {
@@ -231,23 +231,23 @@ struct MinibatchStep::Impl {
   }
 
   void Descend(const StepSettings& settings, double norm, OptimiserState& state) {
-    AdamStep adam;
+    network::AdamStep adam;
     adam.learning_rate = float(settings.learning_rate);
     adam.epsilon = float(ppo.adam_epsilon());
     adam.step = ++state.adam_steps;
     adam.gradient_scale = float(std::min(1.0, ppo.max_gradient_norm() / (norm + 1e-6)));
-    const Adam step(adam);
+    const network::Adam step(adam);
     adam.learning_rate *= float(ppo.log_std_rate());
-    const Adam of_log_stds(adam);
-    const auto apply = [&](const Adam& by, std::size_t first, std::size_t count) {
+    const network::Adam of_log_stds(adam);
+    const auto apply = [&](const network::Adam& by, std::size_t first, std::size_t count) {
       by.Apply(gradient.data() + first, state.parameters.data() + first,
                state.adam_m.data() + first, state.adam_v.data() + first, count);
     };
-    ForEachPart([&](Mlp& network, std::size_t part, std::size_t offset) {
-      for (const ParameterRange& range : network.RangesOf(part)) {
+    ForEachPart([&](network::Mlp& mlp, std::size_t part, std::size_t offset) {
+      for (const network::ParameterRange& range : mlp.RangesOf(part)) {
         apply(step, offset + range.first, range.count);
       }
-      network.Pack(part, state.parameters.data() + offset);
+      mlp.Pack(part, state.parameters.data() + offset);
     });
     apply(of_log_stds, actor.layout().log_std,
           std::size_t(shape.heads) * std::size_t(shape.action));
@@ -255,7 +255,7 @@ struct MinibatchStep::Impl {
     BoundLogStds(settings, state.parameters.data() + actor.layout().log_std);
   }
 
-  void ShareHeads(const Adam& step, double learning_rate, OptimiserState& state) {
+  void ShareHeads(const network::Adam& step, double learning_rate, OptimiserState& state) {
     const double decay = std::min(1.0, learning_rate * ppo.shared_heads_decay());
     shared_heads.Step(step, gradient.data(), float(decay), state.shared, state.parameters.data());
     actor.PackHeads(state.parameters.data());
@@ -269,7 +269,7 @@ struct MinibatchStep::Impl {
                    [low, high](float value) { return std::clamp(value, low, high); });
   }
 
-  // task(network, part of its weights, where the network begins among the parameters).
+  // task(mlp, part of its weights, where the network begins among the parameters).
   template <typename Task>
   void ForEachPart(const Task& task) {
     const std::size_t of_actor = actor.weight_parts();
@@ -288,9 +288,9 @@ struct MinibatchStep::Impl {
 
   policy::NetworkShape shape;
   PpoConfig ppo;
-  WorkerTeam& team;
-  Mlp actor;
-  Mlp critic;
+  network::WorkerTeam& team;
+  network::Mlp actor;
+  network::Mlp critic;
   std::size_t actor_size;
   SharedHeads shared_heads;
   std::vector<float> gradient;
@@ -299,7 +299,7 @@ struct MinibatchStep::Impl {
   std::vector<std::uint16_t> heads;
   std::vector<HeadRun> runs;
   std::vector<HeadRun> value_runs;  // the critic's
-  SampleGroups groups;
+  network::SampleGroups groups;
   kernels::Matrix input;
   std::vector<ActionArray> d_log_std;
   std::vector<SampleFigures> figures;
@@ -307,14 +307,14 @@ struct MinibatchStep::Impl {
   Moments advantage;
 };
 
-MinibatchStep::MinibatchStep(const RunConfig& config, WorkerTeam& team)
+MinibatchStep::MinibatchStep(const RunConfig& config, network::WorkerTeam& team)
     : impl_(std::make_unique<Impl>(config, team)) {}
 
 MinibatchStep::~MinibatchStep() = default;
 
 void MinibatchStep::Begin(const OptimiserState& state) {
-  impl_->ForEachPart([&](Mlp& network, std::size_t part, std::size_t offset) {
-    network.Pack(part, state.parameters.data() + offset);
+  impl_->ForEachPart([&](network::Mlp& mlp, std::size_t part, std::size_t offset) {
+    mlp.Pack(part, state.parameters.data() + offset);
   });
 }
 

@@ -8,7 +8,7 @@
 #include "common/schema/config.pb.h"
 #include "learner/ppo/shared_heads.h"
 #include "learner/ppo/training_batch.h"
-#include "learner/ppo/worker_team.h"
+#include "learner/network/worker_team.h"
 
 namespace metronome::ppo {
 
@@ -49,7 +49,7 @@ struct StepSettings {
 /// gradients a few thousand parameters, each summed over the samples by the rule of mlp.h.
 class MinibatchStep {
  public:
-  MinibatchStep(const RunConfig& config, WorkerTeam& team);
+  MinibatchStep(const RunConfig& config, network::WorkerTeam& team);
   ~MinibatchStep();
 
   /// Takes the parameters that the first Run starts from.

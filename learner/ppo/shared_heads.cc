@@ -42,7 +42,7 @@ void SharedHeads::MakeEqual(std::vector<float>& parameters) const {
   }
 }
 
-void SharedHeads::Step(const Adam& adam, const float* gradient, float decay, Moments& moments,
+void SharedHeads::Step(const network::Adam& adam, const float* gradient, float decay, Moments& moments,
                        float* parameters) const {
   std::size_t at = 0;
   for (const Pieces& pieces : pieces_) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "common/policy/network.h"
-#include "learner/ppo/adam.h"
+#include "learner/network/adam.h"
 
 namespace metronome::ppo {
 
@@ -34,7 +34,7 @@ class SharedHeads {
 
   /// After the heads' own step: the shared one, then w_j -= decay * (w_j - mean of all w).
   /// @param gradient, parameters  flat, of actor and critic. @param decay  from 0 to 1.
-  void Step(const Adam& adam, const float* gradient, float decay, Moments& moments,
+  void Step(const network::Adam& adam, const float* gradient, float decay, Moments& moments,
             float* parameters) const;
 
  private:

@@ -15,7 +15,7 @@
 #include "learner/algorithm/learning_reward.h"
 #include "learner/ppo/initialise.h"
 #include "learner/ppo/minibatch_step.h"
-#include "learner/ppo/running_statistics.h"
+#include "learner/network/running_statistics.h"
 #include "learner/ppo/training_batch.h"
 
 namespace metronome::ppo {
@@ -117,7 +117,7 @@ struct Trainer::Impl {
   // learner's alone, no actor has acted on it.
   void MergeRewards(const std::vector<Episode>& batch, PpoState& next) const {
     for (policy::RunningStatistics& of_task : next.reward_return) {
-      Decay(of_task, config.ppo().reward_scale_decay());
+      network::Decay(of_task, config.ppo().reward_scale_decay());
     }
     std::vector<float> discounted;
     for (const Episode& episode : batch) {
@@ -127,7 +127,7 @@ struct Trainer::Impl {
         sum = config.ppo().discount() * sum + reward;
         discounted.push_back(float(sum));
       }
-      Merge(next.reward_return[policy::TaskOf(config, episode.number)], discounted.data(),
+      network::Merge(next.reward_return[policy::TaskOf(config, episode.number)], discounted.data(),
             discounted.size(), 1, 1);
     }
   }
@@ -136,7 +136,7 @@ struct Trainer::Impl {
   [[nodiscard]] std::vector<double> RewardScales(const PpoState& next) const {
     std::vector<double> scales;
     for (const policy::RunningStatistics& of_task : next.reward_return) {
-      const double deviation = StandardDeviation(of_task, 0);
+      const double deviation = network::StandardDeviation(of_task, 0);
       scales.push_back(config.ppo().normalise_reward() ? std::sqrt(deviation * deviation + 1e-8)
                                                        : 1);
     }
@@ -190,7 +190,7 @@ struct Trainer::Impl {
     }
     const auto observations = std::size_t(policy::ShapeOf(config).observation);
     for (const Episode& episode : batch) {
-      Merge(next.observation[policy::TaskOf(config, episode.number)], episode.observation.data(),
+      network::Merge(next.observation[policy::TaskOf(config, episode.number)], episode.observation.data(),
             std::size_t(episode.length()), observations, observations);
     }
     static_cast<checkpoint::RunCounters&>(next) = algorithm::CountersAfter(state, batch);
@@ -198,7 +198,7 @@ struct Trainer::Impl {
 
   RunConfig config;
   PpoState state;
-  WorkerTeam team;
+  network::WorkerTeam team;
   MinibatchStep step;
 };
 

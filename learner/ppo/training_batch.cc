@@ -187,7 +187,7 @@ double ExplainedVariance(const std::vector<float>& target, const std::vector<flo
 
 }  // namespace
 
-TrainingBatch BuildBatch(const BatchSource& source, WorkerTeam& team) {
+TrainingBatch BuildBatch(const BatchSource& source, network::WorkerTeam& team) {
   const std::vector<std::size_t> begins = BeginsOf(source.episodes);
   const std::size_t size = begins.back();
   TrainingBatch batch;

@@ -8,7 +8,7 @@
 #include "common/messages/messages.h"
 #include "common/policy/network.h"
 #include "common/schema/config.pb.h"
-#include "learner/ppo/worker_team.h"
+#include "learner/network/worker_team.h"
 
 namespace metronome::ppo {
 
@@ -38,6 +38,6 @@ struct BatchSource {
 };
 
 /// @param team  shares out the episodes; never changes the result.
-TrainingBatch BuildBatch(const BatchSource& source, WorkerTeam& team);
+TrainingBatch BuildBatch(const BatchSource& source, network::WorkerTeam& team);
 
 }  // namespace metronome::ppo

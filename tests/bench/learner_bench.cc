@@ -18,7 +18,7 @@
 #include "learner/ppo/minibatch_step.h"
 #include "learner/ppo/trainer.h"
 #include "learner/ppo/training_batch.h"
-#include "learner/ppo/worker_team.h"
+#include "learner/network/worker_team.h"
 #include "tests/unit/support/environments.h"
 
 namespace metronome {
@@ -111,7 +111,7 @@ double GemmRate(int threads, int repeats) {
     Eigen::MatrixXf c = Eigen::MatrixXf::Zero(kSize, kSize);
   };
   std::vector<Job> jobs(static_cast<std::size_t>(threads));
-  ppo::WorkerTeam team(threads);
+  network::WorkerTeam team(threads);
   std::vector<double> seconds;
   for (int i = 0; i <= repeats; ++i) {
     seconds.push_back(Seconds([&] {
@@ -123,7 +123,7 @@ double GemmRate(int threads, int repeats) {
 
 /// All epochs from `state`, which stays as it is.
 void MakeEpochs(const RunConfig& config, const ppo::TrainingBatch& batch,
-                const ppo::PpoState& state, ppo::WorkerTeam& team) {
+                const ppo::PpoState& state, network::WorkerTeam& team) {
   ppo::MinibatchStep step(config, team);
   ppo::OptimiserState optimiser{state.parameters, state.adam_m, state.adam_v, 0, state.shared};
   step.Begin(optimiser);
@@ -151,7 +151,7 @@ void Run(const Options& options) {
     episodes.push_back(SyntheticEpisode(config, policy, std::uint64_t(i)));
   }
   const double gemm = GemmRate(options.threads, options.repeats);
-  ppo::WorkerTeam team(options.threads);
+  network::WorkerTeam team(options.threads);
   const ppo::TrainingBatch batch =
       ppo::BuildBatch({config, episodes, snapshot, state.parameters.data(), {1.0F}}, team);
   std::vector<double> seconds;

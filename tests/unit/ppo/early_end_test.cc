@@ -128,7 +128,7 @@ class HandMadeBatchTest : public ::testing::Test {
   }
 
   TrainingBatch Build() {
-    WorkerTeam team(2);
+    network::WorkerTeam team(2);
     return BuildBatch({config_, episodes_, behaviour_, parameters_.data(), {1}}, team);
   }
 

@@ -67,7 +67,7 @@ struct Prepared {
 };
 
 // A batch whose ratios are spread around 1, so that every branch of the clip occurs.
-Prepared Prepare(const RunConfig& config, WorkerTeam& team) {
+Prepared Prepare(const RunConfig& config, network::WorkerTeam& team) {
   PpoState initial = Trainer::InitialState(config);
   const PolicySnapshot snapshot = SnapshotOf(initial, config);
   const auto episodes = SyntheticBatch(config, snapshot, 0);
@@ -98,7 +98,7 @@ TEST_P(GradientTest, AgreesWithFiniteDifferencesOfAnIndependentLoss) {
   RunConfig config = SmallConfig(GetParam().method);
   config.mutable_policy()->set_schedule(GetParam().schedule);
   config.mutable_policy()->set_critic_heads(GetParam().critic_heads);
-  WorkerTeam team(1);
+  network::WorkerTeam team(1);
   Prepared prepared = Prepare(config, team);
   const std::vector<double> at(prepared.state.parameters.begin(), prepared.state.parameters.end());
   MinibatchStep step(config, team);
@@ -137,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, GradientTest,
 
 TEST(MinibatchStepTest, TheReportedLossesAddUpToTheIndependentLoss) {
   const RunConfig config = SmallConfig();
-  WorkerTeam team(2);
+  network::WorkerTeam team(2);
   Prepared prepared = Prepare(config, team);
   const std::vector<double> at(prepared.state.parameters.begin(), prepared.state.parameters.end());
   MinibatchStep step(config, team);
@@ -152,7 +152,7 @@ TEST(MinibatchStepTest, TheReportedLossesAddUpToTheIndependentLoss) {
 TEST(MinibatchStepTest, AStepIsAdamOnTheClippedGradient) {
   RunConfig config = SmallConfig();
   config.mutable_ppo()->set_max_gradient_norm(0.01);
-  WorkerTeam team(1);
+  network::WorkerTeam team(1);
   Prepared prepared = Prepare(config, team);
   const std::vector<float> before = prepared.state.parameters;
   MinibatchStep step(config, team);
@@ -172,7 +172,7 @@ TEST(MinibatchStepTest, AStepGoesOnFromAllThatTheOneBeforeChanged) {
   RunConfig config = SmallConfig();
   config.mutable_ppo()->set_shared_heads(true);
   config.mutable_ppo()->set_min_std(0.61);
-  WorkerTeam team(2);
+  network::WorkerTeam team(2);
   Prepared prepared = Prepare(config, team);
   MinibatchStep one(config, team);
   one.Begin(prepared.state);
@@ -188,7 +188,7 @@ TEST(MinibatchStepTest, AStepGoesOnFromAllThatTheOneBeforeChanged) {
 
 TEST(MinibatchStepTest, ANonFiniteSampleIsNamedAndLeavesTheStateAlone) {
   const RunConfig config = SmallConfig();
-  WorkerTeam team(1);
+  network::WorkerTeam team(1);
   Prepared prepared = Prepare(config, team);
   prepared.batch.target[prepared.samples[3]] = std::numeric_limits<float>::quiet_NaN();
   const std::vector<float> before = prepared.state.parameters;

@@ -47,11 +47,11 @@ TEST(SharedHeadsTest, AHeadFollowsTheSumOfAllGradientsAndItsDistanceFromTheMeanF
   std::vector<float> after = before;
   SharedHeads::Moments moments{std::vector<float>(shared.size(), 0.5F),
                                std::vector<float>(shared.size(), 0.25F)};
-  AdamStep adam;
+  network::AdamStep adam;
   adam.learning_rate = 1e-2F;
   adam.step = 3;
   adam.gradient_scale = 0.7F;
-  shared.Step(Adam(adam), gradient.data(), 0.1F, moments, after.data());
+  shared.Step(network::Adam(adam), gradient.data(), 0.1F, moments, after.data());
 
   std::size_t at = 0;
   std::vector<bool> is_of_a_head(count, false);

@@ -14,7 +14,7 @@
 
 #include "learner/algorithm/algorithm.h"
 #include "learner/algorithm/episode_check.h"
-#include "learner/ppo/running_statistics.h"
+#include "learner/network/running_statistics.h"
 #include "tests/unit/support/synthetic_run.h"
 
 namespace metronome::ppo {
@@ -260,7 +260,7 @@ TEST(TrainerTest, EachOfSeveralTasksHasStatisticsAndFiguresOfItsOwn) {
   EXPECT_EQ(state.observation[0].count, 200);
   EXPECT_NEAR(state.observation[1].mean[0] - state.observation[0].mean[0], 7, 0.5);
   const auto scale = [&state](std::size_t task) {
-    return StandardDeviation(state.reward_return[task], 0);
+    return network::StandardDeviation(state.reward_return[task], 0);
   };
   EXPECT_GT(scale(1), 50 * scale(0));
   EXPECT_NEAR(report.reward_scale, (scale(0) + scale(1)) / 2, 1e-3);

@@ -34,7 +34,7 @@ class TrainingBatchTest : public ::testing::TestWithParam<std::tuple<Schedule, C
     episodes_ = SyntheticBatch(config_, behaviour_, 1);  // numbers 10..19
     numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 8, 8, 8);
     for (float& parameter : state_.parameters) parameter += 0.1F * float(random.Normal());
-    WorkerTeam team(1);
+    network::WorkerTeam team(1);
     batch_ = BuildBatch({config_, episodes_, behaviour_, state_.parameters.data(), {kScale}}, team);
   }
 

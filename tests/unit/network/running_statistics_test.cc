@@ -1,4 +1,4 @@
-#include "learner/ppo/running_statistics.h"
+#include "learner/network/running_statistics.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace metronome::ppo {
+namespace metronome::network {
 namespace {
 
 TEST(RunningStatisticsTest, MergingInPartsEqualsTheMomentsOfTheWhole) {
@@ -59,4 +59,4 @@ TEST(RunningStatisticsTest, EmptyStatisticsHaveUnitSpreadAndRefuseAnotherDimensi
 }
 
 }  // namespace
-}  // namespace metronome::ppo
+}  // namespace metronome::network

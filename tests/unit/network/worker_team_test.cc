@@ -1,4 +1,4 @@
-#include "learner/ppo/worker_team.h"
+#include "learner/network/worker_team.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace metronome::ppo {
+namespace metronome::network {
 namespace {
 
 class WorkerTeamTest : public ::testing::TestWithParam<int> {};
@@ -43,4 +43,4 @@ TEST(WorkerTeamSizeTest, NoThreadsAreRefused) {
 }
 
 }  // namespace
-}  // namespace metronome::ppo
+}  // namespace metronome::network

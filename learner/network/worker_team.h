@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-namespace metronome::ppo {
+namespace metronome::network {
 
 /// A fixed team of threads that shares out independent tasks. Which thread runs a task is left to
 /// chance; results must go to places that the task's index names.
@@ -28,4 +28,4 @@ class WorkerTeam {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace metronome::ppo
+}  // namespace metronome::network

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace metronome::ppo {
+namespace metronome::network {
 
 /// One step's constants of Adam (Kingma, Ba, arXiv:1412.6980, algorithm 1).
 struct AdamStep {
@@ -28,4 +28,4 @@ class Adam {
   float inv_sqrt_correction2_;  // of v
 };
 
-}  // namespace metronome::ppo
+}  // namespace metronome::network

@@ -1,9 +1,9 @@
-#include "learner/ppo/running_statistics.h"
+#include "learner/network/running_statistics.h"
 
 #include <cmath>
 #include <stdexcept>
 
-namespace metronome::ppo {
+namespace metronome::network {
 
 void Merge(policy::RunningStatistics& statistics, const float* values, std::size_t rows,
            std::size_t dimensions, std::size_t stride) {
@@ -43,4 +43,4 @@ double StandardDeviation(const policy::RunningStatistics& statistics, std::size_
   return std::sqrt(statistics.m2.at(dimension) / statistics.count);
 }
 
-}  // namespace metronome::ppo
+}  // namespace metronome::network

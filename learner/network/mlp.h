@@ -8,7 +8,7 @@
 #include "common/kernels/matrix.h"
 #include "common/policy/packed_network.h"
 
-namespace metronome::ppo {
+namespace metronome::network {
 
 /// How the gradients of a minibatch's n samples are summed, the rest of the rule of
 /// kernels/product.h: the samples, in their order, are dealt over kGroups groups; of each group
@@ -102,4 +102,4 @@ class Mlp {
   std::vector<Part> gradient_parts_;
 };
 
-}  // namespace metronome::ppo
+}  // namespace metronome::network

@@ -1,10 +1,10 @@
-#include "learner/ppo/adam.h"
+#include "learner/network/adam.h"
 
 #include <cmath>
 
 #include "common/numbers/elementary.h"
 
-namespace metronome::ppo {
+namespace metronome::network {
 namespace {
 
 float Correction(float beta, std::uint64_t step) {
@@ -31,4 +31,4 @@ void Adam::Apply(const float* __restrict gradient, float* __restrict parameter, 
   }
 }
 
-}  // namespace metronome::ppo
+}  // namespace metronome::network

@@ -1,4 +1,4 @@
-#include "learner/ppo/worker_team.h"
+#include "learner/network/worker_team.h"
 
 #include <atomic>
 #include <chrono>
@@ -11,7 +11,7 @@
 #include "common/process/cpu_times.h"
 #include "common/process/start_threads.h"
 
-namespace metronome::ppo {
+namespace metronome::network {
 namespace {
 
 // An update is hundreds of short rounds: waking a thread that sleeps takes tens of microseconds.
@@ -118,4 +118,4 @@ void WorkerTeam::Run(std::size_t count, const std::function<void(std::size_t)>& 
   impl_->AwaitWorkers();
 }
 
-}  // namespace metronome::ppo
+}  // namespace metronome::network

@@ -1,11 +1,11 @@
-#include "learner/ppo/adam.h"
+#include "learner/network/adam.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-namespace metronome::ppo {
+namespace metronome::network {
 namespace {
 
 // Algorithm 1 of arXiv:1412.6980 in double, written from the paper.
@@ -56,4 +56,4 @@ TEST(AdamTest, CuttingTheVectorChangesNoBit) {
 }
 
 }  // namespace
-}  // namespace metronome::ppo
+}  // namespace metronome::network

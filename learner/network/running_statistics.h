@@ -5,7 +5,7 @@
 
 #include "common/policy/running_statistics.h"
 
-namespace metronome::ppo {
+namespace metronome::network {
 
 /// Merges `rows` rows of `dimensions` float32 numbers (row-major, row r at r * stride) into
 /// `statistics`, in double precision and row order. Empty statistics take the dimension on.
@@ -19,4 +19,4 @@ void Decay(policy::RunningStatistics& statistics, double factor);
 /// Population standard deviation of one dimension; 1 while nothing has been merged.
 double StandardDeviation(const policy::RunningStatistics& statistics, std::size_t dimension);
 
-}  // namespace metronome::ppo
+}  // namespace metronome::network

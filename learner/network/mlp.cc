@@ -1,4 +1,4 @@
-#include "learner/ppo/mlp.h"
+#include "learner/network/mlp.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 #include "common/kernels/product.h"
 
-namespace metronome::ppo {
+namespace metronome::network {
 namespace {
 
 using kernels::kPanel;
@@ -204,4 +204,4 @@ double Mlp::Gradient(std::size_t gradient_part, const Matrix& input, const Sampl
   return squares.total();
 }
 
-}  // namespace metronome::ppo
+}  // namespace metronome::network

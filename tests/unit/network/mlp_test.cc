@@ -1,4 +1,4 @@
-#include "learner/ppo/mlp.h"
+#include "learner/network/mlp.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "common/numbers/random.h"
 #include "tests/unit/support/double_network.h"
 
-namespace metronome::ppo {
+namespace metronome::network {
 namespace {
 
 using policy::HeadRun;
@@ -153,4 +153,4 @@ INSTANTIATE_TEST_SUITE_P(Shapes, MlpTest,
                                             ::testing::Values(1, 24)));
 
 }  // namespace
-}  // namespace metronome::ppo
+}  // namespace metronome::network
