@@ -188,7 +188,8 @@ std::string ShapeText(const RunConfig& config) {
   std::string text = std::to_string(shape.input()) + " inputs, hidden";
   for (const auto width : shape.hidden) text += " " + std::to_string(width);
   return text + ", " + text::Counted(shape.heads, "head") + " of " + std::to_string(shape.action) +
-         ", " + std::to_string(shape.critic_heads) + " of the critic";
+         ", " + std::to_string(shape.critic_heads) + " of the critic of " +
+         text::Counted(std::uint64_t(shape.values), "value");
 }
 
 }  // namespace

@@ -33,6 +33,8 @@ void CompleteOldConfig(RunConfig& config) {
   if (!ppo.has_std_decay()) ppo.set_std_decay(0);
   if (!ppo.has_log_std_rate()) ppo.set_log_std_rate(1);
   if (!ppo.has_reward_scale_decay()) ppo.set_reward_scale_decay(1);
+  if (!ppo.has_success_weight()) ppo.set_success_weight(0);
+  if (!ppo.has_earlier_batches()) ppo.set_earlier_batches(0);
 }
 
 }  // namespace metronome::checkpoint

@@ -56,8 +56,8 @@ RunConfig Resolve(RunConfig config) {
     for (int layer = 0; layer < 2; ++layer) policy.add_hidden(kDefaultWidth);
   }
   if (config.has_ppo() && !config.ppo().has_minibatch()) {
-    const std::int64_t batch =
-        std::int64_t{config.collection().episodes_per_update()} * environment.horizon();
+    const std::int64_t batch = std::int64_t{config.collection().episodes_per_update()} *
+                               environment.horizon() * (1 + config.ppo().earlier_batches());
     config.mutable_ppo()->set_minibatch(
         static_cast<std::int32_t>(std::clamp<std::int64_t>(batch, 1, kDefaultMinibatch)));
   }

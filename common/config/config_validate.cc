@@ -63,6 +63,8 @@ const std::map<std::string, Range>& Ranges() {
       {"ppo.std_decay", {0, 1}},
       {"ppo.log_std_rate", {0, kUnbounded}},
       {"ppo.reward_scale_decay", {0, 1, true}},
+      {"ppo.success_weight", {0, 1e6}},
+      {"ppo.earlier_batches", {0, 100}},
       {"collection.episodes_per_update", {1, 10000}},
       {"collection.overlap", {0, 1}},
       {"collection.check_share", {0, 1, true}},
@@ -242,12 +244,13 @@ void CheckBatch(const RunConfig& config, Complaints& complaints) {
   const std::int64_t episodes = config.collection().episodes_per_update();
   const std::int64_t horizon = config.environment().horizon();
   if (episodes < 1 || horizon < 1 || !config.has_ppo()) return;  // the former are complained of
-  if (config.ppo().minibatch() > episodes * horizon) {
-    complaints.Add("ppo.minibatch", "is " + std::to_string(config.ppo().minibatch()) +
-                                        ": must be at most the steps of an update, " +
-                                        std::to_string(episodes * horizon) +
-                                        " (episodes_per_update * horizon)");
-  }
+  const std::int64_t steps =
+      episodes * horizon * (1 + std::int64_t{config.ppo().earlier_batches()});
+  if (config.ppo().minibatch() <= steps) return;
+  complaints.Add("ppo.minibatch", "is " + std::to_string(config.ppo().minibatch()) +
+                                      ": must be at most the steps of an update, " +
+                                      std::to_string(steps) +
+                                      " (episodes_per_update * horizon * (1 + earlier_batches))");
 }
 
 void CheckStds(const PpoConfig& ppo, Complaints& complaints) {

@@ -44,7 +44,7 @@ MlpLayout ActorLayout(const NetworkShape& shape) {
 }
 
 MlpLayout CriticLayout(const NetworkShape& shape) {
-  return Layout(shape, shape.critic_input(), shape.critic_heads, 1);
+  return Layout(shape, shape.critic_input(), shape.critic_heads, shape.values);
 }
 
 std::size_t ParameterCount(const NetworkShape& shape) {
@@ -58,6 +58,11 @@ NetworkShape ShapeOf(const RunConfig& config) {
   shape.critic_time = policy.critic_time() && !shape.time_feature;
   shape.observation = config.environment().spec().observation_size();
   shape.action = config.environment().spec().action_size();
+  const EnvironmentConfig& environment = config.environment();
+  shape.values = environment.reward() == REWARD_SUCCESS && environment.spec().has_success() &&
+                         config.has_ppo() && config.ppo().success_weight() > 0
+                     ? 2
+                     : 1;
   shape.hidden.assign(policy.hidden().begin(), policy.hidden().end());
   shape.tasks = static_cast<std::int32_t>(TaskCount(config));
   shape.task_onehot = shape.tasks > 1 && config.environment().task_id() == TASK_ID_ONEHOT;

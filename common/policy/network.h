@@ -19,6 +19,7 @@ struct NetworkShape {
   std::int32_t heads = 10;         // in all: by time, by task or by both
   std::int32_t critic_heads = 10;  // one a head, or 1 for all (policy.critic_heads)
   std::int32_t action = 1;
+  std::int32_t values = 1;  // of a state: the parts of the reward that are valued apart
 
   [[nodiscard]] std::int32_t input() const {
     return observation + (task_onehot ? tasks : 0) + (time_feature ? 1 : 0);
@@ -52,7 +53,7 @@ struct MlpLayout {
   std::vector<LayerSlice> hidden;
   LayerSlice head;
   std::int32_t heads = 0;         // k; of the critic 1 where it is shared
-  std::int32_t head_outputs = 0;  // action means (actor) or 1 (critic)
+  std::int32_t head_outputs = 0;  // action means (actor) or values (critic)
   std::size_t log_std = 0;        // actor only
   std::size_t size = 0;           // floats in all
 };

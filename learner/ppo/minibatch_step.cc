@@ -23,7 +23,7 @@ constexpr std::size_t kRows = policy::PackedNetwork::kRows;
 struct SampleFigures {
   float policy_loss = 0;
   float log_ratio = 0;
-  float value_error = 0;
+  double value_loss = 0;
   bool clipped = false;
 };
 
@@ -87,7 +87,8 @@ struct MinibatchStep::Impl {
   static std::size_t MostSamples(const RunConfig& config) {
     return std::min(std::size_t(config.ppo().minibatch()),
                     std::size_t(config.collection().episodes_per_update()) *
-                        std::size_t(config.environment().horizon()));
+                        std::size_t(config.environment().horizon()) *
+                        std::size_t(1 + config.ppo().earlier_batches()));
   }
 
   void Sort(const TrainingBatch& batch, const std::vector<std::uint32_t>& samples) {
@@ -145,9 +146,13 @@ struct MinibatchStep::Impl {
   void ValueLosses(const TrainingBatch& batch, std::size_t first, std::size_t count) {
     const float weight = float(ppo.value_coefficient()) * inv_samples;
     for (std::size_t row = first; row < first + count; ++row) {
-      const float error = critic.output().row(row)[0] - batch.target[by_head[row]];
-      figures[row].value_error = error;
-      critic.d_output().row(row)[0] = weight * error;
+      figures[row].value_loss = 0;
+      for (std::size_t part = 0; part < batch.rewards.size(); ++part) {
+        const float error =
+            critic.output().row(row)[part] - batch.rewards[part].target[by_head[row]];
+        figures[row].value_loss += 0.5 * double{error} * error;
+        critic.d_output().row(row)[part] = weight * error;
+      }
     }
   }
 
@@ -223,7 +228,7 @@ struct MinibatchStep::Impl {
         head.kl -= of.log_ratio;
         head.clipped += of.clipped ? 1 : 0;
         sums.policy_loss += of.policy_loss;
-        sums.value_loss += 0.5 * double{of.value_error} * of.value_error;
+        sums.value_loss += of.value_loss;
       }
       sums.entropy += double{policy::GaussianEntropy(parameters + LogStd(run.head), shape.action)} *
                       double(run.count);

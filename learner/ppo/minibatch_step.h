@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "common/schema/config.pb.h"
+#include "learner/network/worker_team.h"
 #include "learner/ppo/shared_heads.h"
 #include "learner/ppo/training_batch.h"
-#include "learner/network/worker_team.h"
 
 namespace metronome::ppo {
 

@@ -1,5 +1,6 @@
 #include "learner/ppo/ppo_state.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -37,6 +38,30 @@ Statistics FromPayload(const StatisticsField& field) {
   return statistics;
 }
 
+void ToPayload(const Episode& episode, PpoStatePayload::EarlierEpisode& payload) {
+  payload.set_number(episode.number);
+  payload.set_weights_version(episode.weights_version);
+  payload.mutable_observation()->Assign(episode.observation.begin(), episode.observation.end());
+  payload.mutable_action()->Assign(episode.action.begin(), episode.action.end());
+  payload.mutable_log_prob()->Assign(episode.log_prob.begin(), episode.log_prob.end());
+  payload.mutable_reward()->Assign(episode.reward.begin(), episode.reward.end());
+  payload.mutable_head()->Assign(episode.head.begin(), episode.head.end());
+  payload.mutable_flags()->assign(episode.flags.begin(), episode.flags.end());
+}
+
+Episode FromPayload(const PpoStatePayload::EarlierEpisode& payload) {
+  Episode episode;
+  episode.number = payload.number();
+  episode.weights_version = payload.weights_version();
+  episode.observation = checkpoint::FromField(payload.observation());
+  episode.action = checkpoint::FromField(payload.action());
+  episode.log_prob = checkpoint::FromField(payload.log_prob());
+  episode.reward = checkpoint::FromField(payload.reward());
+  episode.head.assign(payload.head().begin(), payload.head().end());
+  episode.flags.assign(payload.flags().begin(), payload.flags().end());
+  return episode;
+}
+
 std::string BytesOf(const PpoState& state) {
   PpoStatePayload payload;
   payload.mutable_parameters()->Assign(state.parameters.begin(), state.parameters.end());
@@ -50,6 +75,7 @@ std::string BytesOf(const PpoState& state) {
   ToPayload(state.previous_observation, *payload.mutable_previous_observation());
   payload.mutable_shared_m()->Assign(state.shared.m.begin(), state.shared.m.end());
   payload.mutable_shared_v()->Assign(state.shared.v.begin(), state.shared.v.end());
+  for (const Episode& episode : state.earlier) ToPayload(episode, *payload.add_earlier());
   return payload.SerializeAsString();
 }
 
@@ -75,6 +101,24 @@ void RequireStatistics(const Statistics& statistics, std::size_t tasks, std::siz
   }
 }
 
+void RequireEpisode(const Episode& episode, const policy::NetworkShape& shape) {
+  const std::size_t length = episode.reward.size();
+  const std::string what = "episode " + std::to_string(episode.number) + "'s ";
+  RequireSize(episode.observation.size(), (length + 1) * std::size_t(shape.observation),
+              what + "observation");
+  RequireSize(episode.action.size(), length * std::size_t(shape.action), what + "action");
+  RequireSize(episode.log_prob.size(), length, what + "log-probability");
+  RequireSize(episode.head.size(), length, what + "head");
+  RequireSize(episode.flags.size(), length, what + "flags");
+  const auto beyond =
+      std::find_if(episode.head.begin(), episode.head.end(),
+                   [&shape](std::uint16_t head) { return std::int32_t(head) >= shape.heads; });
+  if (length > 0 && beyond == episode.head.end()) return;
+  throw algorithm::UnusableState("its state of ppo has another shape: episode " +
+                                 std::to_string(episode.number) +
+                                 " has no steps, or a head that the network has not");
+}
+
 void RequireFit(const PpoState& state, const RunConfig& config) {
   const policy::NetworkShape shape = policy::ShapeOf(config);
   const std::size_t count = policy::ParameterCount(shape);
@@ -95,7 +139,8 @@ void RequireFit(const PpoState& state, const RunConfig& config) {
   RequireStatistics(state.observation, tasks, observations, "the observation statistics");
   RequireStatistics(state.previous_observation, tasks, observations,
                     "the previous observation statistics");
-  RequireStatistics(state.reward_return, tasks, 1, "the return statistics");
+  RequireStatistics(state.reward_return, tasks, std::size_t(shape.values), "the return statistics");
+  for (const Episode& episode : state.earlier) RequireEpisode(episode, shape);
 }
 
 }  // namespace
@@ -141,6 +186,7 @@ PpoState DecodePpoState(const checkpoint::TrainState& encoded, const RunConfig& 
   state.previous_observation = FromPayload(payload.previous_observation());
   state.shared.m = checkpoint::FromField(payload.shared_m());
   state.shared.v = checkpoint::FromField(payload.shared_v());
+  for (const auto& episode : payload.earlier()) state.earlier.push_back(FromPayload(episode));
   // Of files from before overlap.
   if (state.previous_observation.empty())
     state.previous_observation.resize(policy::TaskCount(config));

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/checkpoint/train_state.h"
+#include "common/messages/episode.h"
 #include "common/messages/messages.h"
 #include "common/policy/running_statistics.h"
 #include "common/schema/config.pb.h"
@@ -21,8 +22,11 @@ struct PpoState : checkpoint::RunCounters {
   /// One a task, [tasks]: a dimension each number of an observation; enters snapshots from the next
   /// version on.
   std::vector<policy::RunningStatistics> observation;
-  /// One a task, [tasks], of 1 dimension: discounted return, the reward's scale.
+  /// One a task, [tasks], a dimension each part of the reward: discounted return, the reward's
+  /// scale.
   std::vector<policy::RunningStatistics> reward_return;
+  /// The latest batches' episodes, in number order: ppo.earlier_batches of them, or all there were.
+  std::vector<Episode> earlier;
   /// overlap 1: what version - 1 acted with; batch `version` was played under it.
   std::vector<float> previous_actor;
   std::vector<policy::RunningStatistics> previous_observation;  // [tasks]
@@ -35,8 +39,8 @@ PolicySnapshot SnapshotOf(const PpoState& state, const RunConfig& config);
 PolicySnapshot PreviousSnapshotOf(const PpoState& state, const RunConfig& config);
 
 /// AlgorithmState::format of what EncodePpoState makes; grows whenever an older build would misread
-/// it. 1: without shared heads.
-inline constexpr std::uint32_t kPpoStateFormat = 2;
+/// it. 1: without shared heads. 2: without earlier batches, and one value of all rewards.
+inline constexpr std::uint32_t kPpoStateFormat = 3;
 
 /// As a checkpoint keeps it, and back. @param config  resolved.
 /// @throws UnusableState (learner/algorithm/algorithm_factory.h) for another algorithm's state, an

@@ -42,8 +42,8 @@ void SharedHeads::MakeEqual(std::vector<float>& parameters) const {
   }
 }
 
-void SharedHeads::Step(const network::Adam& adam, const float* gradient, float decay, Moments& moments,
-                       float* parameters) const {
+void SharedHeads::Step(const network::Adam& adam, const float* gradient, float decay,
+                       Moments& moments, float* parameters) const {
   std::size_t at = 0;
   for (const Pieces& pieces : pieces_) {
     const std::vector<float> sum = SumOf(gradient + pieces.first, pieces.size, pieces.heads);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -12,10 +11,9 @@
 #include "common/policy/snapshot.h"
 #include "common/policy/task_of.h"
 #include "learner/algorithm/algorithm.h"
-#include "learner/algorithm/learning_reward.h"
+#include "learner/network/running_statistics.h"
 #include "learner/ppo/initialise.h"
 #include "learner/ppo/minibatch_step.h"
-#include "learner/network/running_statistics.h"
 #include "learner/ppo/training_batch.h"
 
 namespace metronome::ppo {
@@ -119,28 +117,41 @@ struct Trainer::Impl {
     for (policy::RunningStatistics& of_task : next.reward_return) {
       network::Decay(of_task, config.ppo().reward_scale_decay());
     }
-    std::vector<float> discounted;
+    std::vector<float> discounted;  // [T, parts of the reward]
     for (const Episode& episode : batch) {
-      double sum = 0;
+      const std::vector<std::vector<float>> parts = RewardParts(episode, config);
+      std::vector<double> sums(parts.size(), 0);
       discounted.clear();
-      for (const float reward : algorithm::LearningReward(episode, config.environment())) {
-        sum = config.ppo().discount() * sum + reward;
-        discounted.push_back(float(sum));
+      for (std::size_t t = 0; t < episode.reward.size(); ++t) {
+        for (std::size_t part = 0; part < parts.size(); ++part) {
+          sums[part] = config.ppo().discount() * sums[part] + parts[part][t];
+          discounted.push_back(float(sums[part]));
+        }
       }
       network::Merge(next.reward_return[policy::TaskOf(config, episode.number)], discounted.data(),
-            discounted.size(), 1, 1);
+                     episode.reward.size(), parts.size(), parts.size());
     }
   }
 
-  /// By what the rewards of each task are divided.
-  [[nodiscard]] std::vector<double> RewardScales(const PpoState& next) const {
-    std::vector<double> scales;
+  /// By what the rewards are divided, [tasks, parts of the reward].
+  [[nodiscard]] std::vector<float> RewardScales(const PpoState& next) const {
+    std::vector<float> scales;
     for (const policy::RunningStatistics& of_task : next.reward_return) {
-      const double deviation = network::StandardDeviation(of_task, 0);
-      scales.push_back(config.ppo().normalise_reward() ? std::sqrt(deviation * deviation + 1e-8)
-                                                       : 1);
+      for (std::size_t part = 0; part < of_task.mean.size(); ++part) {
+        const double deviation = network::StandardDeviation(of_task, part);
+        scales.push_back(
+            config.ppo().normalise_reward() ? float(std::sqrt(deviation * deviation + 1e-8)) : 1);
+      }
     }
     return scales;
+  }
+
+  // Of the first part, mean over tasks.
+  [[nodiscard]] double MeanScale(const std::vector<float>& scales) const {
+    const std::size_t tasks = policy::TaskCount(config);
+    double sum = 0;
+    for (std::size_t task = 0; task < tasks; ++task) sum += scales[task * scales.size() / tasks];
+    return sum / double(tasks);
   }
 
   [[nodiscard]] StepSettings Settings() const {
@@ -190,10 +201,20 @@ struct Trainer::Impl {
     }
     const auto observations = std::size_t(policy::ShapeOf(config).observation);
     for (const Episode& episode : batch) {
-      network::Merge(next.observation[policy::TaskOf(config, episode.number)], episode.observation.data(),
-            std::size_t(episode.length()), observations, observations);
+      network::Merge(next.observation[policy::TaskOf(config, episode.number)],
+                     episode.observation.data(), std::size_t(episode.length()), observations,
+                     observations);
     }
     static_cast<checkpoint::RunCounters&>(next) = algorithm::CountersAfter(state, batch);
+  }
+
+  // What the next update learns from besides its own batch, of all that this one learnt from.
+  [[nodiscard]] std::vector<Episode> Latest(std::vector<Episode> all) const {
+    const auto kept = std::ptrdiff_t(config.ppo().earlier_batches()) *
+                      std::ptrdiff_t(config.collection().episodes_per_update());
+    const auto over = std::ptrdiff_t(all.size()) - kept;
+    if (over > 0) all.erase(all.begin(), all.begin() + over);
+    return all;
   }
 
   RunConfig config;
@@ -246,14 +267,13 @@ PpoReport Trainer::Update(const std::vector<Episode>& episodes) {
   PpoState next = impl.state;
   impl.MergeRewards(episodes, next);
   PpoReport report;
-  const std::vector<double> scales = impl.RewardScales(next);
-  report.reward_scale = std::accumulate(scales.begin(), scales.end(), 0.0) / double(scales.size());
+  const std::vector<float> scales = impl.RewardScales(next);
+  report.reward_scale = impl.MeanScale(scales);
   const PolicySnapshot behaviour = impl.Behaviour();
-  const TrainingBatch batch = BuildBatch({impl.config,
-                                          episodes,
-                                          behaviour,
-                                          impl.state.parameters.data(),
-                                          {scales.begin(), scales.end()}},
+  std::vector<Episode> all = impl.state.earlier;
+  all.insert(all.end(), episodes.begin(), episodes.end());
+  const TrainingBatch batch = BuildBatch({impl.config, all, impl.state.earlier.size(), behaviour,
+                                          impl.state.parameters.data(), scales},
                                          impl.team);
   const StepSettings settings = impl.Settings();
   OptimiserState optimiser{std::move(next.parameters), std::move(next.adam_m),
@@ -268,6 +288,7 @@ PpoReport Trainer::Update(const std::vector<Episode>& episodes) {
   next.adam_steps = optimiser.adam_steps;
   next.shared = std::move(optimiser.shared);
   impl.Advance(episodes, next);
+  next.earlier = impl.Latest(std::move(all));
   // Finite weights may still give actions that are not: no actor would play another episode.
   if (const auto defect = policy::SnapshotDefect(SnapshotOf(next, impl.config), impl.config)) {
     throw algorithm::NonFiniteUpdate("no actor can act with the new policy: " + *defect);

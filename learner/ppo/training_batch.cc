@@ -1,6 +1,8 @@
 #include "learner/ppo/training_batch.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 
 #include "common/numbers/elementary.h"
 #include "common/policy/gaussian.h"
@@ -60,6 +62,7 @@ class EpisodeBuilder {
       : source_(source),
         networks_(networks),
         episode_(source.episodes[index]),
+        earlier_(index < source.earlier),
         task_(policy::TaskOf(source.config, episode_.number)),
         schedule_(policy::HeadSchedule::OfTraining(source.config, episode_.number)),
         begin_(begin),
@@ -92,11 +95,13 @@ class EpisodeBuilder {
                                     policy::ValueRuns(runs, networks_.shape));
     // Without overlap the proximal policy is the behaviour policy, and the actors' own
     // log-probabilities serve; with it, the current actor's are computed.
-    const bool lagging = source_.config.collection().overlap() > 0;
+    const bool lagging = source_.config.collection().overlap() > 0 || earlier_;
     if (lagging) networks_.packed_actor.Forward(input_, of_actor_, 0, rows, runs);
     for (std::size_t i = 0; i < rows; ++i) {
       const std::size_t step = std::size_t(t) + i;
-      values_.push_back(of_critic_.output.row(i)[0]);
+      for (std::size_t part = 0; part < values_.size(); ++part) {
+        values_[part].push_back(of_critic_.output.row(i)[part]);
+      }
       if (step == std::size_t(length())) return;
       const std::size_t sample = begin_ + step;
       std::copy_n(input_.row(i), networks_.shape.critic_input(), batch_.input.row(sample));
@@ -104,7 +109,7 @@ class EpisodeBuilder {
       batch_.proximal_log_prob[sample] =
           lagging ? ProximalLogProb(step, of_actor_.output.row(i)) : episode_.log_prob[step];
       batch_.behaviour_weight[sample] =
-          lagging ? numbers::Exp(batch_.proximal_log_prob[sample] - episode_.log_prob[step]) : 1;
+          lagging ? Weight(step, batch_.proximal_log_prob[sample]) : 1;
     }
   }
 
@@ -142,23 +147,36 @@ class EpisodeBuilder {
                                    log_std, networks_.shape.action);
   }
 
+  [[nodiscard]] float Weight(std::size_t step, float proximal_log_prob) const {
+    const float weight = numbers::Exp(proximal_log_prob - episode_.log_prob[step]);
+    return earlier_ ? std::min(weight, kLargestWeight) : weight;
+  }
+
   void BuildAdvantages() {
+    std::vector<std::vector<float>> rewards = RewardParts(episode_, source_.config);
+    for (std::size_t part = 0; part < rewards.size(); ++part) BuildAdvantages(part, rewards[part]);
+  }
+
+  void BuildAdvantages(std::size_t part, std::vector<float>& rewards) {
     const PpoConfig& ppo = source_.config.ppo();
-    const float final_value = FinalValue(episode_, source_.config, values_.back());
-    values_.pop_back();
-    std::vector<float> rewards = algorithm::LearningReward(episode_, source_.config.environment());
-    for (float& reward : rewards) reward /= source_.reward_scale[task_];
+    std::vector<float>& values = values_[part];
+    const float final_value = FinalValue(episode_, source_.config, values.back());
+    values.pop_back();
+    const float scale = source_.reward_scale[task_ * values_.size() + part];
+    for (float& reward : rewards) reward /= scale;
     const GaeResult gae =
-        ComputeGae(rewards, values_, final_value, {ppo.discount(), ppo.gae_lambda()});
+        ComputeGae(rewards, values, final_value, {ppo.discount(), ppo.gae_lambda()});
     const auto at = std::ptrdiff_t(begin_);
-    std::copy(values_.begin(), values_.end(), batch_.value.begin() + at);
-    std::copy(gae.advantage.begin(), gae.advantage.end(), batch_.advantage.begin() + at);
-    std::copy(gae.target.begin(), gae.target.end(), batch_.target.begin() + at);
+    ValuedReward& of = batch_.rewards[part];
+    std::copy(values.begin(), values.end(), of.value.begin() + at);
+    std::copy(gae.advantage.begin(), gae.advantage.end(), of.advantage.begin() + at);
+    std::copy(gae.target.begin(), gae.target.end(), of.target.begin() + at);
   }
 
   const BatchSource& source_;
   const Networks& networks_;
   const Episode& episode_;
+  bool earlier_;  // of a batch before
   std::size_t task_;
   policy::HeadSchedule schedule_;
   std::size_t begin_;  // its first sample
@@ -166,7 +184,7 @@ class EpisodeBuilder {
   kernels::Matrix input_;  // of the steps in work, as both networks have them
   policy::Activations of_actor_;
   policy::Activations of_critic_;
-  std::vector<float> values_;  // [length + 1]
+  std::vector<std::vector<float>> values_{std::size_t(networks_.shape.values)};  // of length + 1
 };
 
 double Variance(const std::vector<double>& values) {
@@ -185,7 +203,34 @@ double ExplainedVariance(const std::vector<float>& target, const std::vector<flo
   return total > 0 ? 1 - Variance(residual) / total : 0;
 }
 
+float InverseRms(const std::vector<float>& values) {
+  double squares = 0;
+  for (const float value : values) squares += double{value} * value;
+  return float(1 / (std::sqrt(squares / double(values.size())) + 1e-8));
+}
+
+std::vector<float> TotalAdvantage(const std::vector<ValuedReward>& rewards, double success_weight) {
+  std::vector<float> total = rewards[0].advantage;
+  if (rewards.size() == 1) return total;
+  const float of_official = InverseRms(total);
+  const auto of_success = float(success_weight);
+  for (std::size_t i = 0; i < total.size(); ++i) {
+    total[i] = total[i] * of_official + of_success * rewards[1].advantage[i];
+  }
+  return total;
+}
+
 }  // namespace
+
+std::vector<std::vector<float>> RewardParts(const Episode& episode, const RunConfig& config) {
+  if (policy::ShapeOf(config).values == 1) {
+    return {algorithm::LearningReward(episode, config.environment())};
+  }
+  std::vector<float> success(episode.flags.size());
+  std::transform(episode.flags.begin(), episode.flags.end(), success.begin(),
+                 [](std::uint8_t flags) { return (flags & kStepSuccess) != 0 ? 1.0F : 0.0F; });
+  return {episode.reward, success};
+}
 
 TrainingBatch BuildBatch(const BatchSource& source, network::WorkerTeam& team) {
   const std::vector<std::size_t> begins = BeginsOf(source.episodes);
@@ -194,15 +239,20 @@ TrainingBatch BuildBatch(const BatchSource& source, network::WorkerTeam& team) {
   const Networks networks(source);
   batch.input.Resize(size, std::size_t(networks.shape.critic_input()));
   batch.action.Resize(size, std::size_t(networks.shape.action));
-  for (auto* values : {&batch.behaviour_log_prob, &batch.proximal_log_prob, &batch.behaviour_weight,
-                       &batch.value, &batch.advantage, &batch.target}) {
+  for (auto* values :
+       {&batch.behaviour_log_prob, &batch.proximal_log_prob, &batch.behaviour_weight}) {
     values->resize(size);
+  }
+  batch.rewards.resize(std::size_t(networks.shape.values));
+  for (ValuedReward& of : batch.rewards) {
+    for (auto* values : {&of.value, &of.advantage, &of.target}) values->resize(size);
   }
   batch.head.resize(size);
   team.Run(source.episodes.size(), [&](std::size_t index) {
     EpisodeBuilder(source, networks, index, begins[index], batch).Build();
   });
-  batch.explained_variance = ExplainedVariance(batch.target, batch.value);
+  batch.advantage = TotalAdvantage(batch.rewards, source.config.ppo().success_weight());
+  batch.explained_variance = ExplainedVariance(batch.rewards[0].target, batch.rewards[0].value);
   return batch;
 }
 

@@ -44,6 +44,9 @@ void RequireSameNetwork(const checkpoint::Checkpoint& source, const RunConfig& c
   if (policy::ShapeOf(source.config).critic_time != policy::ShapeOf(config).critic_time) {
     fields.emplace_back("policy.critic_time");
   }
+  if (policy::ShapeOf(source.config).values != policy::ShapeOf(config).values) {
+    fields.emplace_back("ppo.success_weight");
+  }
   const auto other = std::find_if(fields.begin(), fields.end(), [&](const std::string& field) {
     return there.at(field) != here.at(field);
   });

@@ -15,10 +15,10 @@
 #include "common/policy/action_noise.h"
 #include "common/policy/head_schedule.h"
 #include "common/policy/policy.h"
+#include "learner/network/worker_team.h"
 #include "learner/ppo/minibatch_step.h"
 #include "learner/ppo/trainer.h"
 #include "learner/ppo/training_batch.h"
-#include "learner/network/worker_team.h"
 #include "tests/unit/support/environments.h"
 
 namespace metronome {
@@ -153,7 +153,7 @@ void Run(const Options& options) {
   const double gemm = GemmRate(options.threads, options.repeats);
   network::WorkerTeam team(options.threads);
   const ppo::TrainingBatch batch =
-      ppo::BuildBatch({config, episodes, snapshot, state.parameters.data(), {1.0F}}, team);
+      ppo::BuildBatch({config, episodes, 0, snapshot, state.parameters.data(), {1.0F, 1.0F}}, team);
   std::vector<double> seconds;
   for (int i = 0; i <= options.repeats; ++i) {
     const double passed = Seconds([&] { MakeEpochs(config, batch, state, team); });

@@ -128,6 +128,7 @@ def test_one_head_methods_agree_too(stage, method):
         ("policy.noise_correlation=0.8", "collection.check_share=0.5"),
         ("ppo.shared_heads=false", "policy.critic_time=false", "ppo.min_std=0", "ppo.std_decay=0",
          "ppo.log_std_rate=3", "ppo.reward_scale_decay=0.95"),
+        ("ppo.success_weight=2", "ppo.earlier_batches=2", "collection.overlap=1"),
         # T = 100, k = 20, as many steps in as many updates
         (
             "environment.horizon=100",

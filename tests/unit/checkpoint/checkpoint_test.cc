@@ -229,6 +229,8 @@ RunConfig WholeOldConfig() {
   config.mutable_ppo()->clear_std_decay();
   config.mutable_ppo()->clear_log_std_rate();
   config.mutable_ppo()->clear_reward_scale_decay();
+  config.mutable_ppo()->clear_success_weight();
+  config.mutable_ppo()->clear_earlier_batches();
   CompleteOldConfig(config);
   return config::Resolve(config);
 }
@@ -297,6 +299,8 @@ TEST(CheckpointTest, AFileOfFormat7HasNothingThatCameAfterIt) {
   EXPECT_EQ(whole.ppo().std_decay(), 0);
   EXPECT_EQ(whole.ppo().log_std_rate(), 1);
   EXPECT_EQ(whole.ppo().reward_scale_decay(), 1);
+  EXPECT_EQ(whole.ppo().success_weight(), 0);
+  EXPECT_EQ(whole.ppo().earlier_batches(), 0);
   RunConfig old = whole;
   old.mutable_environment()->clear_reward();
   old.mutable_policy()->clear_critic_time();
@@ -305,6 +309,8 @@ TEST(CheckpointTest, AFileOfFormat7HasNothingThatCameAfterIt) {
   old.mutable_ppo()->clear_std_decay();
   old.mutable_ppo()->clear_log_std_rate();
   old.mutable_ppo()->clear_reward_scale_decay();
+  old.mutable_ppo()->clear_success_weight();
+  old.mutable_ppo()->clear_earlier_batches();
   Checkpoint checkpoint = SmallCheckpoint();
   checkpoint.config = old;
   const Checkpoint loaded = DecodeCheckpoint(WithFormat(checkpoint, 7), "x.ckpt", test::Describe);
@@ -370,7 +376,8 @@ TEST(CheckpointTest, AnotherNetworkShapeNamesBoth) {
     EXPECT_STREQ(
         error.what(),
         "x.ckpt: another network shape: it holds 39 inputs, hidden 2, 2 heads of 4, 2 of the "
-        "critic; asked for is 39 inputs, hidden 2 4, 2 heads of 4, 1 of the critic");
+        "critic of 1 value; asked for is 39 inputs, hidden 2 4, 2 heads of 4, 1 of the critic of "
+        "1 value");
   }
 }
 

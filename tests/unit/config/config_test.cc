@@ -401,6 +401,8 @@ TEST(ValidateTest, EachNumberHasItsRange) {
       {"ppo.std_decay", {"-0.1", "1.1", "nan"}, {"0", "1"}},
       {"ppo.reward_scale_decay", {"0", "-0.1", "1.1", "nan"}, {"0.5", "1"}},
       {"ppo.log_std_rate", {"-1", "inf", "nan"}, {"0", "20"}},
+      {"ppo.success_weight", {"-1", "nan", "1000001"}, {"0", "0.5", "10"}},
+      {"ppo.earlier_batches", {"-1", "101"}, {"1", "100"}},
       {"environment.success_reward", {"-1", "nan", "inf", "1000001"}, {"0", "10"}},
       {"collection.episodes_per_update", {"0", "-16", "10001"}, {"2", "10000"}},
       {"collection.overlap", {"-1", "2"}, {"0", "1"}},
@@ -443,12 +445,9 @@ TEST(ValidateTest, ComplaintsNameFieldValueAndWhatIsAllowed) {
             "ppo.learning_rate is nan: must be a finite number, above 0");
   EXPECT_EQ(ComplaintOf("total_steps", "0"),
             "total_steps is 0: must be from 1 to 9007199254740991");
-  EXPECT_EQ(ComplaintOf("ppo.min_std", "0"),
-            "ppo.min_std is 0: must be above 0 for ppo.std_decay, which lowers standard deviations "
-            "to it");
   EXPECT_EQ(ComplaintOf("ppo.minibatch", "17000"),
             "ppo.minibatch is 17000: must be at most the steps of an update, 16000 "
-            "(episodes_per_update * horizon)");
+            "(episodes_per_update * horizon * (1 + earlier_batches))");
   EXPECT_EQ(ComplaintOf("runtime.transport", "upd"),
             "runtime.transport is an unknown transport \"upd\"; did you mean \"udp\"? Known: udp, "
             "shm, tcp");
@@ -523,6 +522,16 @@ TEST(ResolveTest, ABatchOfSeveralTasksHasEquallyManyEpisodesOfEach) {
     EXPECT_NO_THROW(Validate(config));
   }
   EXPECT_EQ(Resolve(Push()).collection().episodes_per_update(), 32);
+}
+
+TEST(ValidateTest, StandardDeviationsFallToALeastOneAboveZero) {
+  RunConfig config = Push();
+  SetField(config, "ppo.std_decay", "0.7");
+  EXPECT_NO_THROW(Validate(Resolve(config)));
+  SetField(config, "ppo.min_std", "0");
+  EXPECT_EQ(ErrorOf([&] { Validate(Resolve(config)); }),
+            "ppo.min_std is 0: must be above 0 for ppo.std_decay, which lowers standard deviations "
+            "to it");
 }
 
 TEST(ResolveTest, HeadsByTaskAreOneEachUnlessByTimeToo) {

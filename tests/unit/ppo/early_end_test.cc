@@ -129,7 +129,7 @@ class HandMadeBatchTest : public ::testing::Test {
 
   TrainingBatch Build() {
     network::WorkerTeam team(2);
-    return BuildBatch({config_, episodes_, behaviour_, parameters_.data(), {1}}, team);
+    return BuildBatch({config_, episodes_, 0, behaviour_, parameters_.data(), {1}}, team);
   }
 
   RunConfig config_ = EarlyConfig();
@@ -144,9 +144,10 @@ TEST_F(HandMadeBatchTest, WhatFollowsTheLastStepDependsOnWhyItIsTheLast) {
   Add(4, kStepTruncated);   // the horizon: nothing
   const TrainingBatch batch = Build();
   EXPECT_EQ(batch.size(), 8U);
-  EXPECT_EQ(batch.value, (std::vector<float>{1, 1, 1, 1, 1, 1, 2, 2}));
+  EXPECT_EQ(batch.rewards[0].value, (std::vector<float>{1, 1, 1, 1, 1, 1, 2, 2}));
   EXPECT_EQ(batch.advantage, (std::vector<float>{0.5, 0, 0.75, 1, 0.734375, 0.9375, -0.25, -1}));
-  EXPECT_EQ(batch.target, (std::vector<float>{1.5, 1, 1.75, 2, 1.734375, 1.9375, 1.75, 1}));
+  EXPECT_EQ(batch.rewards[0].target,
+            (std::vector<float>{1.5, 1, 1.75, 2, 1.734375, 1.9375, 1.75, 1}));
 }
 
 TEST_F(HandMadeBatchTest, AtTheHorizonTheSettingDecidesUnlessTheEpisodeIsTerminated) {

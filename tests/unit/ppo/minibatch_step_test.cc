@@ -53,9 +53,13 @@ double Loss(const RunConfig& config, const TrainingBatch& batch,
     const double clipped = std::fmax(1 - clip, std::fmin(1 + clip, ratio));
     const bool shared = config.policy().critic_heads() == CRITIC_HEADS_SHARED;
     const int value_head = shared ? 0 : batch.head[s];
-    const double error = Forward(of_critic, critic, x, value_head)[0] - batch.target[s];
+    const auto values = Forward(of_critic, critic, x, value_head);
+    double errors = 0;
+    for (std::size_t part = 0; part < batch.rewards.size(); ++part) {
+      errors += std::pow(values[part] - batch.rewards[part].target[s], 2);
+    }
     loss += -weight * std::fmin(ratio * advantage, clipped * advantage) -
-            entropy_coefficient * entropy + config.ppo().value_coefficient() * 0.5 * error * error;
+            entropy_coefficient * entropy + config.ppo().value_coefficient() * 0.5 * errors;
   }
   return loss / double(samples.size());
 }
@@ -72,7 +76,7 @@ Prepared Prepare(const RunConfig& config, network::WorkerTeam& team) {
   const PolicySnapshot snapshot = SnapshotOf(initial, config);
   const auto episodes = SyntheticBatch(config, snapshot, 0);
   Prepared prepared{
-      BuildBatch({config, episodes, snapshot, initial.parameters.data(), {0.7F}}, team),
+      BuildBatch({config, episodes, 0, snapshot, initial.parameters.data(), {0.7F, 0.4F}}, team),
       {initial.parameters, initial.adam_m, initial.adam_v, 0, initial.shared},
       std::vector<std::uint32_t>(150)};
   numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 8, 8, 8);
@@ -90,6 +94,7 @@ struct Arm {
   Method method = MULTIHEAD;
   Schedule schedule = SCHEDULE_BLOCKS;
   CriticHeads critic_heads = CRITIC_HEADS_SEPARATE;
+  double success_weight = 0;  // above 0: two values
 };
 
 class GradientTest : public ::testing::TestWithParam<Arm> {};
@@ -98,6 +103,8 @@ TEST_P(GradientTest, AgreesWithFiniteDifferencesOfAnIndependentLoss) {
   RunConfig config = SmallConfig(GetParam().method);
   config.mutable_policy()->set_schedule(GetParam().schedule);
   config.mutable_policy()->set_critic_heads(GetParam().critic_heads);
+  config.mutable_environment()->set_reward(REWARD_SUCCESS);
+  config.mutable_ppo()->set_success_weight(GetParam().success_weight);
   network::WorkerTeam team(1);
   Prepared prepared = Prepare(config, team);
   const std::vector<double> at(prepared.state.parameters.begin(), prepared.state.parameters.end());
@@ -127,13 +134,15 @@ TEST_P(GradientTest, AgreesWithFiniteDifferencesOfAnIndependentLoss) {
   EXPECT_NEAR(sums.gradient_norm, std::sqrt(square), 1e-5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Arms, GradientTest,
-                         ::testing::Values(Arm{MULTIHEAD}, Arm{SINGLE}, Arm{SINGLE_TIME},
-                                           Arm{MULTIHEAD, SCHEDULE_BLOCKS, CRITIC_HEADS_SHARED},
-                                           Arm{MULTIHEAD, SCHEDULE_INTERLEAVED,
-                                               CRITIC_HEADS_SEPARATE},
-                                           Arm{MULTIHEAD, SCHEDULE_SHUFFLED, CRITIC_HEADS_SHARED},
-                                           Arm{SINGLE, SCHEDULE_BLOCKS, CRITIC_HEADS_SHARED}));
+INSTANTIATE_TEST_SUITE_P(
+    Arms, GradientTest,
+    ::testing::Values(Arm{MULTIHEAD}, Arm{SINGLE}, Arm{SINGLE_TIME},
+                      Arm{MULTIHEAD, SCHEDULE_BLOCKS, CRITIC_HEADS_SEPARATE, 2},
+                      Arm{SINGLE, SCHEDULE_BLOCKS, CRITIC_HEADS_SEPARATE, 2},
+                      Arm{MULTIHEAD, SCHEDULE_BLOCKS, CRITIC_HEADS_SHARED},
+                      Arm{MULTIHEAD, SCHEDULE_INTERLEAVED, CRITIC_HEADS_SEPARATE},
+                      Arm{MULTIHEAD, SCHEDULE_SHUFFLED, CRITIC_HEADS_SHARED},
+                      Arm{SINGLE, SCHEDULE_BLOCKS, CRITIC_HEADS_SHARED}));
 
 TEST(MinibatchStepTest, TheReportedLossesAddUpToTheIndependentLoss) {
   const RunConfig config = SmallConfig();
@@ -190,7 +199,7 @@ TEST(MinibatchStepTest, ANonFiniteSampleIsNamedAndLeavesTheStateAlone) {
   const RunConfig config = SmallConfig();
   network::WorkerTeam team(1);
   Prepared prepared = Prepare(config, team);
-  prepared.batch.target[prepared.samples[3]] = std::numeric_limits<float>::quiet_NaN();
+  prepared.batch.rewards[0].target[prepared.samples[3]] = std::numeric_limits<float>::quiet_NaN();
   const std::vector<float> before = prepared.state.parameters;
   MinibatchStep step(config, team);
   step.Begin(prepared.state);

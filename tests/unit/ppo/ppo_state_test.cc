@@ -72,6 +72,20 @@ TEST(PpoStateTest, WhatHeadsShareComesBackAndFitsTheConfiguration) {
       std::string::npos);
 }
 
+TEST(PpoStateTest, EarlierEpisodesComeBackAndFitTheConfiguration) {
+  const RunConfig config = SmallConfig();
+  PpoState state = SomeState(config);
+  state.earlier = SyntheticBatch(config, SnapshotOf(state, config), 3);
+  EXPECT_EQ(DecodePpoState(EncodePpoState(state, config), config), state);
+  state.earlier[1].action.pop_back();
+  EXPECT_NE(Refusal(EncodePpoState(state, config), config).find("episode 31's action has 159"),
+            std::string::npos);
+  state.earlier[1] = state.earlier[2];
+  state.earlier[1].head[7] = 3;
+  EXPECT_NE(Refusal(EncodePpoState(state, config), config).find("a head that the network has not"),
+            std::string::npos);
+}
+
 TEST(PpoStateTest, WhatDoesNotFitTheConfigurationIsRefusedByName) {
   const RunConfig config = SmallConfig();
   PpoState state = SomeState(config);
@@ -95,7 +109,7 @@ TEST(PpoStateTest, AnotherFormatOrAlgorithmIsRefusedByName) {
   checkpoint::TrainState state = EncodePpoState(SomeState(config), config);
   state.algorithm.format = kPpoStateFormat + 1;
   EXPECT_EQ(Refusal(state, config),
-            "its state of ppo has format 3, this build reads formats 1 to 2; use a build that "
+            "its state of ppo has format 4, this build reads formats 1 to 3; use a build that "
             "knows it");
   state.algorithm = {"sac", 1, ""};
   EXPECT_EQ(Refusal(state, config), "its state is of the algorithm sac, this run's is ppo");

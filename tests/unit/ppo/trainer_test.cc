@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -186,6 +187,49 @@ TEST(TrainerTest, TheScaleOfRewardsForgetsEarlierBatches) {
   EXPECT_EQ(TrainFor(config, 3, 1).reward_return[0].count, 1.75 * batch);
 }
 
+std::vector<std::uint64_t> NumbersOf(const std::vector<Episode>& episodes) {
+  std::vector<std::uint64_t> numbers;
+  for (const Episode& episode : episodes) numbers.push_back(episode.number);
+  return numbers;
+}
+
+TEST(TrainerTest, LearnsFromEarlierBatchesTooAndGoesOnFromAStateWithThem) {
+  RunConfig config = SmallConfig();
+  config.mutable_ppo()->set_earlier_batches(2);
+  EXPECT_EQ(TrainFor(config, 1, 1).parameters, TrainFor(SmallConfig(), 1, 1).parameters);
+  EXPECT_NE(TrainFor(config, 2, 1).parameters, TrainFor(SmallConfig(), 2, 1).parameters);
+  const PpoState state = TrainFor(config, 4, 1);
+  std::vector<std::uint64_t> latest(20);
+  std::iota(latest.begin(), latest.end(), 20U);  // of batches of ten
+  EXPECT_EQ(NumbersOf(state.earlier), latest);
+  EXPECT_EQ(state, TrainFor(config, 4, 3));
+  Trainer resumed(config, DecodePpoState(EncodePpoState(TrainFor(config, 3, 1), config), config),
+                  1);
+  resumed.Update(SyntheticBatch(config, SnapshotOf(resumed.state(), config), 3));
+  EXPECT_EQ(resumed.state(), state);
+}
+
+// As a ratio of the batch's own such a log-probability would be infinite.
+TEST(TrainerTest, WhatEarlierEpisodesSayOfTheirPolicyIsAWeightThatIsCutOff) {
+  RunConfig config = SmallConfig();
+  config.mutable_ppo()->set_earlier_batches(1);
+  PpoState state = TrainFor(config, 1, 1);
+  for (Episode& episode : state.earlier) episode.log_prob.assign(40, -100.0F);
+  Trainer trainer(config, state, 1);
+  EXPECT_NO_THROW(trainer.Update(SyntheticBatch(config, SnapshotOf(state, config), 1)));
+}
+
+TEST(TrainerTest, EachPartOfTheRewardHasAScaleOfItsOwn) {
+  RunConfig config = SmallConfig();
+  config.mutable_environment()->set_reward(REWARD_SUCCESS);
+  config.mutable_ppo()->set_success_weight(2);
+  const PpoState state = TrainFor(config, 1, 1);
+  ASSERT_EQ(state.reward_return[0].mean.size(), 2U);
+  EXPECT_EQ(state.reward_return[0].mean[0], TrainFor(SmallConfig(), 1, 1).reward_return[0].mean[0]);
+  // Four episodes of ten have one success, in step 5 of 40: a sum of discount^0 .. discount^34.
+  EXPECT_NEAR(state.reward_return[0].mean[1], 0.4 * (1 - std::pow(0.99, 35)) / 0.01 / 40, 1e-6);
+}
+
 TEST(TrainerTest, LearnsWhatTheRewardAsksFor) {
   RunConfig config = SmallConfig();
   config.set_total_steps(40 * 400);
@@ -207,7 +251,7 @@ TEST(TrainerTest, LearnsFromTheRewardOfSuccessAndReportsWithoutIt) {
   const RunConfig config = SmallConfig();
   RunConfig rewarded = config;
   rewarded.mutable_environment()->set_reward(REWARD_SUCCESS);
-  rewarded.mutable_environment()->set_success_reward(10);
+  rewarded.mutable_environment()->set_success_reward(10);  // one value, of the sum
   Trainer by_setting(rewarded, Trainer::InitialState(rewarded), 1);
   Trainer by_hand(config, Trainer::InitialState(config), 1);
   std::vector<Episode> episodes = SyntheticBatch(config, SnapshotOf(by_hand.state(), config), 0);

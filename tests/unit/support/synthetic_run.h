@@ -37,6 +37,8 @@ inline RunConfig SmallConfig(Method method = MULTIHEAD, int heads = 3, int overl
   config.mutable_ppo()->set_std_decay(0);
   config.mutable_ppo()->set_log_std_rate(1);
   config.mutable_ppo()->set_reward_scale_decay(1);
+  config.mutable_ppo()->set_success_weight(0);
+  config.mutable_ppo()->set_earlier_batches(0);
   config.mutable_ppo()->set_learning_rate(5e-4);
   config.mutable_ppo()->set_epochs(3);
   config.mutable_ppo()->set_minibatch(150);  // and a smaller last one
