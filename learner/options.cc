@@ -80,6 +80,7 @@ constexpr FieldOption kFieldOptions[] = {
 
 /// The values of the options that `run` and `config` share.
 struct ConfigArguments {
+  std::string algorithm;
   std::map<std::string, std::string> fields;  // option name -> text
   std::vector<std::string> settings;          // of --set
   std::vector<std::string> files;             // of --config
@@ -110,6 +111,10 @@ std::string HelpOf(const FieldOption& option) {
 }
 
 void AddConfigOptions(CLI::App& command, ConfigArguments& arguments) {
+  command
+      .add_option("--algorithm", arguments.algorithm,
+                  "ppo, sac, or another that the learner knows [default: ppo]")
+      ->type_name("A");
   for (const FieldOption& option : kFieldOptions) {
     command.add_option(option.name, arguments.fields[option.name], HelpOf(option))
         ->type_name(option.value_name);
@@ -196,12 +201,19 @@ std::string FieldValue(const FieldOption& option, const std::string& text) {
 RunConfig BuildConfig(config::ConfigDraft draft, const CLI::App& command,
                       const ConfigArguments& arguments, const config::SpecSource& specs) {
   for (const std::string& file : arguments.files) draft.ReadFile(file);
+  if (!arguments.algorithm.empty()) draft.ChooseAlgorithm(arguments.algorithm, "--algorithm");
   for (const std::string& setting : arguments.settings) draft.SetFromArgument(setting);
   for (const FieldOption& option : kFieldOptions) {
     if (command.get_option(option.name)->count() == 0) continue;
     draft.Set(option.path, FieldValue(option, arguments.fields.at(option.name)), option.name);
   }
   RunConfig config = draft.Finish(specs);
+  const std::string& method = arguments.fields.at("--method");
+  if (!config.has_ppo() && (method == "ppo" || method == "ppo-time")) {
+    throw config::ConfigError("--method " + method + ": the algorithm is " +
+                              config::AlgorithmName(config) + "; its methods are multihead, " +
+                              "single and single-time");
+  }
   std::string& weights = *config.mutable_policy()->mutable_initial_weights();
   if (!weights.empty()) weights = fs::absolute(weights).lexically_normal().string();
   return config;

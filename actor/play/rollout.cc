@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/policy/action_noise.h"
+#include "common/policy/explorer.h"
 #include "common/policy/head_schedule.h"
 #include "common/policy/policy.h"
 #include "common/process/cpu_times.h"
@@ -91,7 +91,7 @@ std::optional<Episode> PlayEpisode(const RunConfig& config, const PolicySnapshot
   const auto actions = std::size_t(config.environment().spec().action_size());
   policy::Policy policy(config, snapshot);
   const auto schedule = policy::HeadSchedule::OfTraining(config, number);
-  policy::ActionNoise noise(config, number);
+  policy::Explorer explorer(config, number);
   Episode episode = EmptyEpisode(number, snapshot.version, config.environment());
   stopwatch.Lap(process::CpuUse::kPolicy);
   environment::EpisodeStart start = environment::TrainingStart(config, number);
@@ -101,7 +101,7 @@ std::optional<Episode> PlayEpisode(const RunConfig& config, const PolicySnapshot
   for (std::int32_t t = 0; !ended; ++t) {
     if (cancel.load(std::memory_order_relaxed)) return std::nullopt;
     const float* observation = episode.observation.data() + std::size_t(t) * observations;
-    const policy::Policy::Decision decision = policy.Act(schedule, observation, t, noise.At(t));
+    const policy::Policy::Decision decision = explorer.Act(policy, schedule, observation, t);
     stopwatch.Lap(process::CpuUse::kPolicy);
     const std::span action(decision.action.data(), actions);
     const environment::StepOutcome step =

@@ -3,6 +3,7 @@
 #include <google/protobuf/text_format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <map>
 #include <stdexcept>
@@ -14,6 +15,8 @@ namespace {
 
 constexpr std::int32_t kDefaultHeads = 10;
 constexpr std::int32_t kDefaultWidth = 128;
+constexpr std::int32_t kDefaultCriticWidth = 256;  // of SAC, as the next
+constexpr std::int32_t kDefaultSacEpisodes = 4;    // an update
 constexpr std::int64_t kDefaultMinibatch = 2000;
 
 /// Where the first value of `group` came from; nullptr: nobody set one.
@@ -24,12 +27,15 @@ const std::string* OriginOfGroup(const ConfigOrigins& origins, const std::string
 
 /// A file's algorithm would replace an earlier file's without a word.
 void RequireSameAlgorithm(const ParsedConfig& parsed, const ConfigOrigins& origins) {
-  for (const auto& [group, other] : {std::pair("ppo", "custom"), std::pair("custom", "ppo")}) {
-    const std::string* here = OriginOfGroup(parsed.origins, group);
-    const std::string* before = OriginOfGroup(origins, other);
-    if (here == nullptr || before == nullptr) continue;
-    throw ConfigError(*here + ": " + group + " is set, and " + other + " at " + *before +
-                      ": a run learns by one of the two");
+  constexpr std::array kAlgorithms = {"ppo", "sac", "custom"};
+  for (const std::string group : kAlgorithms) {
+    for (const std::string other : kAlgorithms) {
+      const std::string* here = OriginOfGroup(parsed.origins, group);
+      const std::string* before = OriginOfGroup(origins, other);
+      if (group == other || here == nullptr || before == nullptr) continue;
+      throw ConfigError(*here + ": " + group + " is set, and " + other + " at " + *before +
+                        ": a run learns by one of the two");
+    }
   }
 }
 
@@ -37,6 +43,12 @@ void RequireSameAlgorithm(const ParsedConfig& parsed, const ConfigOrigins& origi
 
 RunConfig Resolve(RunConfig config) {
   const bool batch_given = config.collection().has_episodes_per_update();
+  if (config.has_sac()) {
+    // Actors go on while the learner learns, and what they play is learnt from soon.
+    auto& collection = *config.mutable_collection();
+    if (!collection.has_overlap()) collection.set_overlap(1);
+    if (!batch_given) collection.set_episodes_per_update(kDefaultSacEpisodes);
+  }
   FillDefaults(config);
   auto& environment = *config.mutable_environment();
   if (environment.spec().name().empty()) environment.clear_spec();
@@ -54,6 +66,11 @@ RunConfig Resolve(RunConfig config) {
   }
   if (policy.hidden_size() == 0) {
     for (int layer = 0; layer < 2; ++layer) policy.add_hidden(kDefaultWidth);
+  }
+  if (config.has_sac() && config.sac().critic_hidden_size() == 0) {
+    for (int layer = 0; layer < 2; ++layer) {
+      config.mutable_sac()->add_critic_hidden(kDefaultCriticWidth);
+    }
   }
   if (config.has_ppo() && !config.ppo().has_minibatch()) {
     const std::int64_t batch = std::int64_t{config.collection().episodes_per_update()} *
@@ -98,7 +115,8 @@ std::vector<std::string> CompareForResume(const RunConfig& old_config, const Run
 }
 
 std::string AlgorithmName(const RunConfig& config) {
-  return config.has_custom() ? config.custom().name() : "ppo";
+  if (config.has_custom()) return config.custom().name();
+  return config.has_sac() ? "sac" : "ppo";
 }
 
 void CheckRunName(const std::string& name) {
@@ -118,6 +136,21 @@ void ConfigDraft::ReadFile(const std::string& path) {
   RequireSameAlgorithm(parsed, origins_);
   Overlay(config_, parsed.config);
   for (const auto& [field, origin] : parsed.origins) origins_[field] = origin;
+}
+
+void ConfigDraft::ChooseAlgorithm(const std::string& name, const std::string& origin) {
+  if (config_.algorithm_case() != RunConfig::ALGORITHM_NOT_SET) {
+    if (AlgorithmName(config_) == name) return;
+    throw ConfigError(origin + " " + name + ": the configuration has settings of " +
+                      AlgorithmName(config_) + ", and a run learns by one algorithm");
+  }
+  if (name == "ppo") {
+    config_.mutable_ppo();
+  } else if (name == "sac") {
+    config_.mutable_sac();
+  } else {
+    config_.mutable_custom()->set_name(name);
+  }
 }
 
 void ConfigDraft::SetFromArgument(const std::string& argument) {

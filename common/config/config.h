@@ -52,6 +52,9 @@ class ConfigDraft {
   /// May be called again: a later file overrides an earlier one field by field, a list as a whole.
   /// @throws ConfigError, see ParseConfigFile; also for another algorithm than an earlier file's.
   void ReadFile(const std::string& path);
+  /// @param name  ppo, sac, or what a CustomAlgorithm is called. @param origin  e.g. "--algorithm".
+  /// @throws ConfigError if another one has been chosen.
+  void ChooseAlgorithm(const std::string& name, const std::string& origin);
   /// @param argument  of --set: "ppo.learning_rate=3e-4". @throws ConfigError.
   void SetFromArgument(const std::string& argument);
   /// @param origin  e.g. "--heads". @throws ConfigError, see SetField.

@@ -167,7 +167,7 @@ void RequireNoOther(const Message& owner, const std::string& path, const FieldDe
   const auto* chosen = owner.GetReflection()->GetOneofFieldDescriptor(owner, alternatives);
   if (chosen == nullptr || chosen == &field) return;
   throw ConfigError(path + ": " + chosen->name() + " is set already, and the " +
-                    alternatives->name() + " is one of the two");
+                    alternatives->name() + " is one alone");
 }
 
 /// Clears in `base` each list that `top` sets; merging would append to it.

@@ -6,6 +6,7 @@
 
 #include "common/config/config.h"
 #include "common/messages/episode.h"
+#include "common/numbers/elementary.h"
 #include "common/policy/network.h"
 #include "common/text/host_port.h"
 #include "common/text/listen_address.h"
@@ -65,6 +66,24 @@ const std::map<std::string, Range>& Ranges() {
       {"ppo.reward_scale_decay", {0, 1, true}},
       {"ppo.success_weight", {0, 1e6}},
       {"ppo.earlier_batches", {0, 100}},
+      {"sac.actor_learning_rate", {0, kUnbounded, true}},
+      {"sac.critic_learning_rate", {0, kUnbounded, true}},
+      {"sac.temperature_learning_rate", {0, kUnbounded}},
+      {"sac.adam_epsilon", {0, kUnbounded, true}},
+      {"sac.batch", {1, 1 << 20}},
+      {"sac.replay_ratio", {0, kUnbounded, true}},
+      {"sac.replay_steps", {1, kUnbounded}},
+      {"sac.random_episodes", {0, kUnbounded}},
+      {"sac.discount", {0, 1}},
+      {"sac.n_step", {1, kMaxSteps}},
+      {"sac.target_rate", {0, 1, true}},
+      {"sac.critic_hidden", {1, 4096}},
+      {"sac.bins", {2, 4096}},
+      {"sac.value_limit", {0, 80, true}},  // symexp of it is a finite float32
+      {"sac.initial_temperature", {0, kUnbounded, true}},
+      {"sac.target_std", {0, kUnbounded, true}},
+      {"sac.max_gradient_norm", {0, kUnbounded, true}},
+      {"sac.shared_heads_decay", {0, kUnbounded}},
       {"collection.episodes_per_update", {1, 10000}},
       {"collection.overlap", {0, 1}},
       {"collection.check_share", {0, 1, true}},
@@ -259,6 +278,59 @@ void CheckStds(const PpoConfig& ppo, Complaints& complaints) {
                  "is 0: must be above 0 for ppo.std_decay, which lowers standard deviations to it");
 }
 
+// What a step is worth whose success lasts to the end of the episode.
+double LargestSuccessReturn(const RunConfig& config) {
+  double sum = 0;
+  double weight = config.environment().success_reward();
+  for (std::int32_t t = 0; t < config.environment().horizon(); ++t) {
+    sum += weight;
+    weight *= config.sac().discount();
+  }
+  return sum;
+}
+
+void CheckReplay(const RunConfig& config, Complaints& complaints) {
+  const SacConfig& sac = config.sac();
+  const std::int32_t horizon = config.environment().horizon();
+  const std::int32_t least = std::max(sac.batch(), horizon);
+  if (sac.replay_steps() < least) {
+    complaints.Add("sac.replay_steps", "is " + std::to_string(sac.replay_steps()) +
+                                           ": must be at least " + std::to_string(least) +
+                                           ", a batch and an episode");
+  }
+  const double samples =
+      sac.replay_ratio() * double(horizon) * double(config.collection().episodes_per_update());
+  if (samples < double(sac.batch())) {
+    complaints.Add("sac.replay_ratio",
+                   "is " + text::FormatNumber(sac.replay_ratio()) + ": an update's " +
+                       text::FormatNumber(samples) + " samples make no gradient step of " +
+                       std::to_string(sac.batch()) +
+                       " (sac.batch); raise it, or collection.episodes_per_update");
+  }
+  if (sac.n_step() > horizon) {
+    complaints.Add("sac.n_step", "is " + std::to_string(sac.n_step()) +
+                                     ": must be at most environment.horizon, " +
+                                     std::to_string(horizon));
+  }
+}
+
+// Only for settings whose every number is in range.
+void CheckSac(const RunConfig& config, Complaints& complaints) {
+  CheckReplay(config, complaints);
+  if (config.sac().critic_hidden_size() > 8) {
+    complaints.Add("sac.critic_hidden", "has " + std::to_string(config.sac().critic_hidden_size()) +
+                                            " layers: must be 1 to 8");
+  }
+  if (config.environment().reward() != REWARD_SUCCESS) return;
+  const double largest = LargestSuccessReturn(config);
+  if (numbers::Log(1 + largest) <= config.sac().value_limit()) return;
+  complaints.Add("sac.value_limit", "is " + text::FormatNumber(config.sac().value_limit()) +
+                                        ": success alone is worth up to " +
+                                        text::FormatNumber(largest) +
+                                        " (environment.success_reward, sac.discount), whose "
+                                        "ln(1 + x) is beyond it");
+}
+
 // Only for a shape whose every number is in range.
 void CheckNetworkSize(const RunConfig& config, Complaints& complaints) {
   const std::size_t size = policy::ActorLayout(policy::ShapeOf(config)).size;
@@ -333,6 +405,7 @@ void Validate(const RunConfig& config, const ConfigOrigins& origins) {
   if (config.has_ppo()) CheckStds(config.ppo(), complaints);
   CheckRuntime(config, complaints);
   complaints.ThrowIfAny();
+  if (config.has_sac()) CheckSac(config, complaints);
   CheckNetworkSize(config, complaints);
   complaints.ThrowIfAny();
 }

@@ -9,6 +9,7 @@ struct KernelTable {
   void (*multiply)(const Product&);
   void (*tanh)(float* values, const Block&);
   void (*times_tanh_slope)(const float* y, float* d, const Block&);
+  void (*exp)(float* values, const Block&);
 };
 
 }  // namespace metronome::kernels

@@ -167,9 +167,40 @@ void TimesTanhSlopeHere(const float* y, float* d, const Block& block) {
   }
 }
 
+// 2^n (1 + r + r^2 P(r)), r = x - n ln 2 in [-ln 2 / 2, ln 2 / 2]. Constants: expf of the Cephes
+// library (Moshier, netlib.org/cephes).
+HWY_INLINE Vector ExpOf(Vector x) {
+  const Tag tag;
+  const hn::RebindToSigned<Tag> integers;
+  x = Clamp(x, 87);                                // 2^n and the result are normal numbers
+  const Vector magic = hn::Set(tag, 12582912.0F);  // 1.5 * 2^23: added, it rounds to an integer
+  const Vector n = hn::Sub(Fma(x, hn::Set(tag, 1.44269504F), magic), magic);
+  Vector r = Fma(n, hn::Set(tag, -0.693359375F), x);
+  r = Fma(n, hn::Set(tag, 2.12194440e-4F), r);
+  Vector p = hn::Set(tag, 1.9875691500e-4F);
+  p = Fma(p, r, hn::Set(tag, 1.3981999507e-3F));
+  p = Fma(p, r, hn::Set(tag, 8.3334519073e-3F));
+  p = Fma(p, r, hn::Set(tag, 4.1665795894e-2F));
+  p = Fma(p, r, hn::Set(tag, 1.6666665459e-1F));
+  p = Fma(p, r, hn::Set(tag, 5.0000001201e-1F));
+  p = hn::Add(Fma(p, hn::Mul(r, r), r), hn::Set(tag, 1.0F));
+  const auto exponent = hn::Add(hn::ConvertTo(integers, n), hn::Set(integers, 127));
+  return hn::Mul(p, hn::BitCast(tag, hn::ShiftLeft<23>(exponent)));
+}
+
+void ExpHere(float* values, const Block& block) {
+  const Tag tag;
+  const std::size_t padded = PanelsOf(block.columns) * kPanel;
+  for (std::size_t r = 0; r < block.rows; ++r, values += block.stride) {
+    for (std::size_t i = 0; i < padded; i += kLanes) {
+      hn::StoreU(ExpOf(hn::LoadU(tag, values + i)), tag, values + i);
+    }
+  }
+}
+
 }  // namespace
 
-KernelTable Table() { return {&MultiplyHere, &TanhHere, &TimesTanhSlopeHere}; }
+KernelTable Table() { return {&MultiplyHere, &TanhHere, &TimesTanhSlopeHere, &ExpHere}; }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace metronome::kernels
@@ -198,6 +229,9 @@ void TimesTanhSlope(const float* y, float* d, const Block& block, Isa isa) {
 void TimesTanhSlope(const float* y, float* d, const Block& block) {
   TimesTanhSlope(y, d, block, CurrentIsa());
 }
+
+void Exp(float* values, const Block& block, Isa isa) { TableOf(isa).exp(values, block); }
+void Exp(float* values, const Block& block) { Exp(values, block, CurrentIsa()); }
 
 }  // namespace metronome::kernels
 #endif  // HWY_ONCE

@@ -60,4 +60,8 @@ void Tanh(float* values, const Block& block, Isa isa);
 void TimesTanhSlope(const float* y, float* d, const Block& block);
 void TimesTanhSlope(const float* y, float* d, const Block& block, Isa isa);
 
+/// values = exp(values), within 2 ulp for numbers from -87 to 87; those outside count as these.
+void Exp(float* values, const Block& block);
+void Exp(float* values, const Block& block, Isa isa);
+
 }  // namespace metronome::kernels

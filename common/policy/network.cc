@@ -18,11 +18,13 @@ LayerSlice NextLayer(std::int32_t inputs, std::int32_t outputs, std::size_t& off
   return slice;
 }
 
-MlpLayout Layout(const NetworkShape& shape, std::int32_t inputs, std::int32_t heads,
-                 std::int32_t head_outputs) {
+}  // namespace
+
+MlpLayout LayoutOf(std::int32_t inputs, const std::vector<std::int32_t>& hidden, std::int32_t heads,
+                   std::int32_t head_outputs) {
   MlpLayout layout;
   std::size_t offset = 0;
-  for (const std::int32_t width : shape.hidden) {
+  for (const std::int32_t width : hidden) {
     if (width < 1) throw std::invalid_argument("hidden width " + std::to_string(width) + " < 1");
     layout.hidden.push_back(NextLayer(inputs, width, offset));
     inputs = width;
@@ -35,16 +37,15 @@ MlpLayout Layout(const NetworkShape& shape, std::int32_t inputs, std::int32_t he
   return layout;
 }
 
-}  // namespace
-
 MlpLayout ActorLayout(const NetworkShape& shape) {
-  MlpLayout layout = Layout(shape, shape.input(), shape.heads, shape.action);
+  if (shape.squashed) return LayoutOf(shape.input(), shape.hidden, shape.heads, 2 * shape.action);
+  MlpLayout layout = LayoutOf(shape.input(), shape.hidden, shape.heads, shape.action);
   layout.size += static_cast<std::size_t>(shape.heads) * static_cast<std::size_t>(shape.action);
   return layout;
 }
 
 MlpLayout CriticLayout(const NetworkShape& shape) {
-  return Layout(shape, shape.critic_input(), shape.critic_heads, shape.values);
+  return LayoutOf(shape.critic_input(), shape.hidden, shape.critic_heads, shape.values);
 }
 
 std::size_t ParameterCount(const NetworkShape& shape) {
@@ -63,6 +64,7 @@ NetworkShape ShapeOf(const RunConfig& config) {
                          config.has_ppo() && config.ppo().success_weight() > 0
                      ? 2
                      : 1;
+  shape.squashed = config.has_sac();
   shape.hidden.assign(policy.hidden().begin(), policy.hidden().end());
   shape.tasks = static_cast<std::int32_t>(TaskCount(config));
   shape.task_onehot = shape.tasks > 1 && config.environment().task_id() == TASK_ID_ONEHOT;

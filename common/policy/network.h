@@ -20,6 +20,10 @@ struct NetworkShape {
   std::int32_t critic_heads = 10;  // one a head, or 1 for all (policy.critic_heads)
   std::int32_t action = 1;
   std::int32_t values = 1;  // of a state: the parts of the reward that are valued apart
+  /// SAC: a head has a mean and a log-std for each number of the action, of the state, and the
+  /// action is the hyperbolic tangent of what is drawn. Else the log-stds are parameters of the
+  /// head.
+  bool squashed = false;
 
   [[nodiscard]] std::int32_t input() const {
     return observation + (task_onehot ? tasks : 0) + (time_feature ? 1 : 0);
@@ -53,10 +57,14 @@ struct MlpLayout {
   std::vector<LayerSlice> hidden;
   LayerSlice head;
   std::int32_t heads = 0;         // k; of the critic 1 where it is shared
-  std::int32_t head_outputs = 0;  // action means (actor) or values (critic)
-  std::size_t log_std = 0;        // actor only
+  std::int32_t head_outputs = 0;  // action means (actor; squashed: and log-stds) or values (critic)
+  std::size_t log_std = 0;        // actor only, unless squashed; else the size
   std::size_t size = 0;           // floats in all
 };
+
+/// @throws std::invalid_argument for a width below 1.
+MlpLayout LayoutOf(std::int32_t inputs, const std::vector<std::int32_t>& hidden, std::int32_t heads,
+                   std::int32_t head_outputs);
 
 MlpLayout ActorLayout(const NetworkShape& shape);
 MlpLayout CriticLayout(const NetworkShape& shape);

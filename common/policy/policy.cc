@@ -7,6 +7,7 @@
 #include "common/numbers/elementary.h"
 #include "common/policy/gaussian.h"
 #include "common/policy/network_input.h"
+#include "common/policy/squashed_gaussian.h"
 
 namespace metronome::policy {
 namespace {
@@ -35,6 +36,7 @@ Policy::Policy(const RunConfig& config, const PolicySnapshot& snapshot)
       network_(ActorLayout(shape_), ParametersOf(snapshot, shape_)),
       input_(kMostStates, std::size_t(shape_.input())),
       rows_(ActorLayout(shape_), kMostStates) {
+  if (shape_.squashed) return;
   const float* log_std = snapshot.parameters.data() + ActorLayout(shape_).log_std;
   for (std::int32_t head = 0; head < shape_.heads; ++head, log_std += shape_.action) {
     auto& log_stds = log_std_.emplace_back();
@@ -54,41 +56,59 @@ void Policy::RequireFit(const HeadSchedule& schedule) const {
                               " heads for a policy of " + std::to_string(shape_.heads));
 }
 
-void Policy::Means(const HeadSchedule& schedule, const float* observations, std::int32_t t,
-                   std::span<Action> means) {
+void Policy::Gaussians(const HeadSchedule& schedule, const float* observations, std::int32_t t,
+                       std::span<Gaussian> gaussians) {
   RequireFit(schedule);
   const Normaliser normaliser{observation_mean_.data(), observation_inv_std_.data(), clip_};
   runs_.clear();
-  for (std::size_t i = 0; i < means.size(); ++i) {
+  for (std::size_t i = 0; i < gaussians.size(); ++i) {
     const std::int32_t step = t + std::int32_t(i);
     WriteInput(shape_, normaliser, observations + i * std::size_t(shape_.observation),
                schedule.task(), step, schedule.horizon(), input_.row(i));
     AddRow(schedule.HeadAt(step), i, runs_);
   }
-  network_.Forward(input_, rows_, 0, means.size(), runs_);
-  for (std::size_t i = 0; i < means.size(); ++i) {
-    std::copy_n(rows_.output.row(i), shape_.action, means[i].begin());
+  network_.Forward(input_, rows_, 0, gaussians.size(), runs_);
+  for (std::size_t i = 0; i < gaussians.size(); ++i) {
+    const float* output = rows_.output.row(i);
+    std::copy_n(output, shape_.action, gaussians[i].mean.begin());
+    if (!shape_.squashed) {
+      gaussians[i].log_std = log_std_[std::size_t(schedule.HeadAt(t + std::int32_t(i)))];
+      continue;
+    }
+    std::transform(output + shape_.action, output + 2 * shape_.action, gaussians[i].log_std.begin(),
+                   SquashedLogStd);
   }
 }
 
 Policy::Action Policy::Mean(const HeadSchedule& schedule, const float* observation,
                             std::int32_t t) {
-  Action mean{};
-  Means(schedule, observation, t, {&mean, 1});
-  return mean;
+  Gaussian gaussian;
+  Gaussians(schedule, observation, t, {&gaussian, 1});
+  if (shape_.squashed) {
+    std::transform(gaussian.mean.begin(), gaussian.mean.begin() + shape_.action,
+                   gaussian.mean.begin(), Squash);
+  }
+  return gaussian.mean;
 }
 
 Policy::Decision Policy::Act(const HeadSchedule& schedule, const float* observation, std::int32_t t,
                              const Action& noise) {
-  return ActAround(schedule, Mean(schedule, observation, t), t, noise);
+  Gaussian gaussian;
+  Gaussians(schedule, observation, t, {&gaussian, 1});
+  return ActAround(schedule, gaussian, t, noise);
 }
 
-Policy::Decision Policy::ActAround(const HeadSchedule& schedule, const Action& mean, std::int32_t t,
-                                   const Action& noise) const {
+Policy::Decision Policy::ActAround(const HeadSchedule& schedule, const Gaussian& gaussian,
+                                   std::int32_t t, const Action& noise) const {
   RequireFit(schedule);
   Decision decision;
-  decision.mean = mean;
+  decision.mean = gaussian.mean;
   decision.head = schedule.HeadAt(t);
+  if (shape_.squashed) {
+    decision.log_prob = DrawSquashed(gaussian.mean.data(), gaussian.log_std.data(), noise.data(),
+                                     shape_.action, decision.action.data());
+    return decision;
+  }
   const auto& stds = std_[decision.head];
   for (int i = 0; i < shape_.action; ++i) {
     decision.action[i] = decision.mean[i] + stds[i] * noise[i];
@@ -96,6 +116,17 @@ Policy::Decision Policy::ActAround(const HeadSchedule& schedule, const Action& m
   decision.log_prob =
       GaussianLogProb(decision.action.data(), decision.mean.data(), inv_std_[decision.head].data(),
                       log_std_[decision.head].data(), shape_.action);
+  return decision;
+}
+
+Policy::Decision Policy::ActUniformly(const HeadSchedule& schedule, std::int32_t t,
+                                      const Action& uniform) const {
+  RequireFit(schedule);
+  constexpr float kLogTwo = 0.693147180559945309F;
+  Decision decision;
+  decision.head = schedule.HeadAt(t);
+  decision.action = uniform;
+  decision.log_prob = -kLogTwo * float(shape_.action);
   return decision;
 }
 

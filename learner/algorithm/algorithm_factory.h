@@ -5,8 +5,10 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "common/checkpoint/train_state.h"
+#include "common/messages/episode.h"
 #include "common/schema/config.pb.h"
 #include "learner/algorithm/algorithm.h"
 
@@ -23,6 +25,8 @@ class UnusableState : public std::runtime_error {
 struct AlgorithmResources {
   int threads = 1;              // of an update, at least 1
   std::uint64_t check_key = 0;  // see CheckEpisode
+  /// Of a state that is gone on from: the replay's episodes, in number order.
+  std::vector<Episode> replay = {};
 };
 
 /// Makes one kind of algorithm. Free of state.

@@ -8,7 +8,7 @@
 
 #include "common/numbers/all_finite.h"
 #include "common/numbers/random.h"
-#include "common/policy/action_noise.h"
+#include "common/policy/explorer.h"
 #include "common/policy/head_schedule.h"
 #include "common/policy/network.h"
 #include "common/policy/policy.h"
@@ -106,7 +106,7 @@ struct Recomputation {
   const RunConfig& config;
   const policy::HeadSchedule& schedule;
   policy::Policy& policy;
-  policy::ActionNoise noise;
+  policy::Explorer explorer;
   std::size_t observation_size = std::size_t(config.environment().spec().observation_size());
   std::size_t action_size = std::size_t(config.environment().spec().action_size());
 
@@ -116,9 +116,9 @@ struct Recomputation {
 };
 
 std::optional<std::string> CheckStep(Recomputation& of, std::int32_t t,
-                                     const policy::Policy::Action& mean) {
+                                     const policy::Policy::Gaussian& gaussian) {
   const policy::Policy::Decision expected =
-      of.policy.ActAround(of.schedule, mean, t, of.noise.At(t));
+      of.explorer.ActAround(of.policy, of.schedule, gaussian, t);
   const double tolerance = of.config.collection().check_tolerance();
   const auto at = std::size_t(t);
   bool equal = Equal(of.episode.log_prob[at], expected.log_prob, tolerance);
@@ -133,13 +133,13 @@ std::optional<std::string> CheckStep(Recomputation& of, std::int32_t t,
 }
 
 std::optional<std::string> CheckEveryStep(Recomputation& of) {
-  std::array<policy::Policy::Action, policy::Policy::kMostStates> means{};
+  std::array<policy::Policy::Gaussian, policy::Policy::kMostStates> gaussians{};
   const std::int32_t length = of.episode.length();
   for (std::int32_t t = 0; t < length;) {
-    const auto count = std::min(means.size(), std::size_t(length - t));
-    of.policy.Means(of.schedule, of.ObservationAt(t), t, {means.data(), count});
+    const auto count = std::min(gaussians.size(), std::size_t(length - t));
+    of.policy.Gaussians(of.schedule, of.ObservationAt(t), t, {gaussians.data(), count});
     for (std::size_t i = 0; i < count; ++i, ++t) {
-      if (auto reason = CheckStep(of, t, means[i])) return reason;
+      if (auto reason = CheckStep(of, t, gaussians[i])) return reason;
     }
   }
   return std::nullopt;
@@ -150,8 +150,9 @@ std::optional<std::string> CheckSample(Recomputation& of, std::uint64_t key) {
     numbers::RandomStream random(numbers::RandomPurpose::kCheck, key, of.episode.number,
                                  std::uint64_t(t));
     if (random.Uniform() >= of.config.collection().check_share()) continue;
-    const auto mean = of.policy.Mean(of.schedule, of.ObservationAt(t), t);
-    if (auto reason = CheckStep(of, t, mean)) return reason;
+    policy::Policy::Gaussian gaussian;
+    of.policy.Gaussians(of.schedule, of.ObservationAt(t), t, {&gaussian, 1});
+    if (auto reason = CheckStep(of, t, gaussian)) return reason;
   }
   return std::nullopt;
 }
@@ -170,7 +171,7 @@ std::optional<std::string> CheckEpisode(const Episode& episode, policy::Policy& 
   const auto schedule = policy::HeadSchedule::OfTraining(config, episode.number);
   if (auto reason = CheckHeads(episode, schedule)) return reason;
   if (auto reason = CheckFlags(episode, config.environment().spec())) return reason;
-  Recomputation of{episode, config, schedule, policy, policy::ActionNoise(config, episode.number)};
+  Recomputation of{episode, config, schedule, policy, policy::Explorer(config, episode.number)};
   return config.collection().check_share() >= 1 ? CheckEveryStep(of) : CheckSample(of, key);
 }
 

@@ -19,9 +19,9 @@ constexpr std::size_t kPartInputs = 4 * kPanel;
 
 constexpr float kOne = 1;
 
-// Panels of a weight [outputs, inputs] as it is.
-Matrix BackwardPanels(const policy::LayerSlice& slice) {
-  return {kernels::PanelsOf(std::size_t(slice.inputs)), std::size_t(slice.outputs) * kPanel};
+// Panels of a weight [outputs, inputs] as it is, of so many of its inputs.
+Matrix BackwardPanels(const policy::LayerSlice& slice, std::size_t inputs) {
+  return {kernels::PanelsOf(inputs), std::size_t(slice.outputs) * kPanel};
 }
 
 // d_below = d * weight, of `count` rows.
@@ -71,19 +71,23 @@ policy::HeadRun RunOf(const std::vector<policy::HeadRun>& runs, std::int32_t hea
 
 }  // namespace
 
-Mlp::Mlp(policy::MlpLayout layout, std::size_t rows)
+Mlp::Mlp(policy::MlpLayout layout, std::size_t rows, std::size_t inputs_with_gradient)
     : layout_(std::move(layout)),
       forward_(layout_),
       rows_(layout_, rows),
-      d_output_(rows, std::size_t(layout_.head_outputs)) {
+      d_output_(rows, std::size_t(layout_.head_outputs)),
+      d_input_(rows, inputs_with_gradient) {
   for (std::size_t i = 0; i < layout_.hidden.size(); ++i) {
     d_hidden_.emplace_back(rows, std::size_t(layout_.hidden[i].outputs));
-    backward_hidden_.push_back(i == 0 ? Matrix() : BackwardPanels(layout_.hidden[i]));
+    const std::size_t inputs =
+        i == 0 ? inputs_with_gradient : std::size_t(layout_.hidden[i].inputs);
+    backward_hidden_.push_back(BackwardPanels(layout_.hidden[i], inputs));
     AddParts(layout_.hidden[i], i, 0);
   }
   for (std::int32_t head = 0; head < layout_.heads; ++head) {
     const policy::LayerSlice slice = policy::HeadSlice(layout_, head);
-    backward_heads_.push_back(d_hidden_.empty() ? Matrix() : BackwardPanels(slice));
+    const std::size_t inputs = d_hidden_.empty() ? 0 : std::size_t(slice.inputs);
+    backward_heads_.push_back(BackwardPanels(slice, inputs));
     AddParts(slice, layout_.hidden.size(), std::size_t(head));
   }
 }
@@ -119,8 +123,10 @@ void Mlp::Pack(std::size_t weight_part, const float* parameters) {
       IsHead(part) ? forward_.head(part.head) : forward_.hidden(part.layer);
   layer.PackPanel(part.first_output / kPanel, weight, parameters + part.slice.bias);
   Matrix& panels = IsHead(part) ? backward_heads_[part.head] : backward_hidden_[part.layer];
+  const bool of_input = !IsHead(part) && part.layer == 0;
+  const std::size_t first = of_input ? part.inputs - d_input_.columns() : 0;
   for (std::size_t panel = 0; panel < panels.rows(); ++panel) {
-    const std::size_t input = panel * kPanel;
+    const std::size_t input = first + panel * kPanel;
     const std::size_t count = std::min(kPanel, part.inputs - input);
     for (std::size_t o = part.first_output; o < part.first_output + part.outputs; ++o) {
       std::copy_n(weight + o * part.inputs + input, count, panels.row(panel) + o * kPanel);
@@ -149,7 +155,8 @@ void Mlp::Backward(std::size_t first, std::size_t count, const std::vector<polic
     Matrix& d = d_hidden_[i];
     kernels::TimesTanhSlope(rows_.hidden[i].row(first), d.row(first),
                             {count, d.columns(), d.stride()});
-    if (i > 0) MultiplyBack(backward_hidden_[i], d, first, count, d_hidden_[i - 1]);
+    Matrix& below = i > 0 ? d_hidden_[i - 1] : d_input_;
+    if (below.columns() > 0) MultiplyBack(backward_hidden_[i], d, first, count, below);
   }
 }
 

@@ -41,12 +41,15 @@ struct ParameterRange {
 class Mlp {
  public:
   /// @param rows  samples of a minibatch, at most.
-  Mlp(policy::MlpLayout layout, std::size_t rows);
+  /// @param inputs_with_gradient  of the last so many inputs Backward leaves the gradient too; that
+  ///                              takes a hidden layer.
+  Mlp(policy::MlpLayout layout, std::size_t rows, std::size_t inputs_with_gradient = 0);
 
   [[nodiscard]] const policy::MlpLayout& layout() const { return layout_; }
   /// [rows, head_outputs], each row by its own head.
   [[nodiscard]] const kernels::Matrix& output() const { return rows_.output; }
   kernels::Matrix& d_output() { return d_output_; }  // of the loss by output(), to be written
+  [[nodiscard]] const kernels::Matrix& d_input() const { return d_input_; }  // by the last inputs
 
   /// Parts of the weights and biases. @param parameters  here and below the network's block of the
   /// flat vector, layout().size floats.
@@ -91,13 +94,15 @@ class Mlp {
 
   policy::MlpLayout layout_;
   policy::PackedNetwork forward_;
-  // Weights as they are, in panels of 16 inputs, [outputs, 16] each: of the hidden layers from the
-  // second on (the first one stays empty), and of the heads where there is a hidden layer.
+  // Weights as they are, in panels of 16 inputs, [outputs, 16] each: of the hidden layers (of the
+  // first one those of the last inputs_with_gradient), and of the heads where there is a hidden
+  // layer.
   std::vector<kernels::Matrix> backward_hidden_;
   std::vector<kernels::Matrix> backward_heads_;
   policy::Activations rows_;
   std::vector<kernels::Matrix> d_hidden_;  // by the sums that enter tanh
   kernels::Matrix d_output_;
+  kernels::Matrix d_input_;
   std::vector<Part> weight_parts_;
   std::vector<Part> gradient_parts_;
 };

@@ -297,7 +297,7 @@ struct MinibatchStep::Impl {
   network::Mlp actor;
   network::Mlp critic;
   std::size_t actor_size;
-  SharedHeads shared_heads;
+  network::SharedHeads shared_heads;
   std::vector<float> gradient;
   // Of the minibatch in work: its samples in rows.
   std::vector<std::uint32_t> by_head;

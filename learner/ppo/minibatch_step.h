@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/schema/config.pb.h"
+#include "learner/network/shared_heads.h"
 #include "learner/network/worker_team.h"
-#include "learner/ppo/shared_heads.h"
 #include "learner/ppo/training_batch.h"
 
 namespace metronome::ppo {
@@ -33,7 +33,7 @@ struct OptimiserState {
   std::vector<float> adam_m;
   std::vector<float> adam_v;
   std::uint64_t adam_steps = 0;
-  SharedHeads::Moments shared;  // empty without ppo.shared_heads
+  network::SharedHeads::Moments shared;  // empty without ppo.shared_heads
 };
 
 struct StepSettings {

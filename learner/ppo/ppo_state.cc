@@ -126,7 +126,7 @@ void RequireFit(const PpoState& state, const RunConfig& config) {
   RequireSize(state.adam_m.size(), count, "Adam's first moment");
   RequireSize(state.adam_v.size(), count, "Adam's second moment");
   if (!state.shared.m.empty() || !state.shared.v.empty()) {
-    const std::size_t shared = SharedHeads(shape).size();
+    const std::size_t shared = network::SharedHeads(shape).size();
     RequireSize(state.shared.m.size(), shared, "the first moment of what heads share");
     RequireSize(state.shared.v.size(), shared, "the second moment of what heads share");
   }

@@ -8,7 +8,7 @@
 #include "common/messages/messages.h"
 #include "common/policy/running_statistics.h"
 #include "common/schema/config.pb.h"
-#include "learner/ppo/shared_heads.h"
+#include "learner/network/shared_heads.h"
 
 namespace metronome::ppo {
 
@@ -18,7 +18,7 @@ struct PpoState : checkpoint::RunCounters {
   std::vector<float> adam_m;      // same length
   std::vector<float> adam_v;      // same length
   std::uint64_t adam_steps = 0;
-  SharedHeads::Moments shared;  // empty without ppo.shared_heads
+  network::SharedHeads::Moments shared;  // empty without ppo.shared_heads
   /// One a task, [tasks]: a dimension each number of an observation; enters snapshots from the next
   /// version on.
   std::vector<policy::RunningStatistics> observation;

@@ -232,7 +232,7 @@ Trainer::Trainer(const RunConfig& config, PpoState state, int threads) {
                                 std::to_string(expected));
   }
   const std::size_t shared =
-      config.ppo().shared_heads() ? SharedHeads(policy::ShapeOf(config)).size() : 0;
+      config.ppo().shared_heads() ? network::SharedHeads(policy::ShapeOf(config)).size() : 0;
   if (state.shared.m.size() != shared || state.shared.v.size() != shared) {
     throw std::invalid_argument("the state holds " + std::to_string(state.shared.m.size()) +
                                 " moments of what heads share, the configuration asks for " +
@@ -250,7 +250,7 @@ PpoState Trainer::InitialState(const RunConfig& config) {
   state.adam_m.assign(state.parameters.size(), 0.0F);
   state.adam_v.assign(state.parameters.size(), 0.0F);
   if (config.ppo().shared_heads()) {
-    const SharedHeads heads(policy::ShapeOf(config));
+    const network::SharedHeads heads(policy::ShapeOf(config));
     heads.MakeEqual(state.parameters);
     state.shared = {std::vector<float>(heads.size(), 0.0F), std::vector<float>(heads.size(), 0.0F)};
   }

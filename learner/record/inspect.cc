@@ -12,6 +12,7 @@ namespace {
 
 std::vector<double> HeadStd(const checkpoint::Checkpoint& checkpoint) {
   const policy::NetworkShape shape = policy::ShapeOf(checkpoint.config);
+  if (shape.squashed) return {};  // of the state
   std::size_t at = policy::ActorLayout(shape).log_std;
   std::vector<double> std_of_head;
   for (int head = 0; head < shape.heads; ++head) {

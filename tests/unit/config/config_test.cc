@@ -154,7 +154,7 @@ TEST(ParseConfigTest, ErrorsNameFileLineAndColumn) {
   EXPECT_EQ(
       ParseErrorOf("sed: 1"),
       "run.cfg:1:1: unknown setting \"sed\"; did you mean \"seed\"? Known: environment, policy, "
-      "ppo, custom, collection, runtime, seed, total_steps");
+      "ppo, sac, custom, collection, runtime, seed, total_steps");
   EXPECT_EQ(ParseErrorOf("ppo { success_reward: 25 }"),
             "run.cfg:1:7: ppo.success_reward is environment.success_reward now, with "
             "environment.reward=success");
@@ -238,7 +238,7 @@ TEST(AlgorithmTest, AnotherOneIsNamedWithSettingsThatOnlyItReads) {
   RunConfig config = Push();
   SetField(config, "custom.name", "other");
   EXPECT_EQ(ErrorOf([&] { SetField(config, "ppo.clip", "0.1"); }),
-            "ppo.clip: custom is set already, and the algorithm is one of the two");
+            "ppo.clip: custom is set already, and the algorithm is one alone");
   SetField(config, "custom.settings", "population: 5");
   config = Resolve(config);
   EXPECT_FALSE(config.has_ppo());
@@ -322,7 +322,7 @@ TEST(SetFieldTest, UnknownPathsGetTheNearMissAndThatGroupsList) {
   RunConfig config;
   EXPECT_EQ(
       ErrorOf([&] { SetField(config, "ppoo.clip", "1"); }),
-      "unknown setting \"ppoo\"; did you mean \"ppo\"? Known: environment, policy, ppo, custom, "
+      "unknown setting \"ppoo\"; did you mean \"ppo\"? Known: environment, policy, ppo, sac, custom, "
       "collection, runtime, seed, total_steps");
   EXPECT_EQ(ErrorOf([&] { SetField(config, "collection.overlp", "1"); }),
             "unknown setting of collection \"overlp\"; did you mean \"overlap\"? Known: "
@@ -532,6 +532,47 @@ TEST(ValidateTest, StandardDeviationsFallToALeastOneAboveZero) {
   EXPECT_EQ(ErrorOf([&] { Validate(Resolve(config)); }),
             "ppo.min_std is 0: must be above 0 for ppo.std_decay, which lowers standard deviations "
             "to it");
+}
+
+RunConfig Sac() {
+  RunConfig config = Push();
+  config.mutable_sac();
+  return config;
+}
+
+TEST(ResolveTest, SacHasDefaultsOfItsOwnForTheLoop) {
+  const RunConfig config = Resolve(Sac());
+  EXPECT_EQ(AlgorithmName(config), "sac");
+  EXPECT_FALSE(config.has_ppo());
+  EXPECT_EQ(config.collection().episodes_per_update(), 4);
+  EXPECT_EQ(config.collection().overlap(), 1);
+  EXPECT_EQ(config.sac().critic_hidden_size(), 2);
+  EXPECT_NO_THROW(Validate(config));
+  RunConfig set = Sac();
+  SetField(set, "collection.overlap", "0");
+  SetField(set, "collection.episodes_per_update", "32");
+  EXPECT_EQ(Resolve(set).collection().episodes_per_update(), 32);
+  EXPECT_EQ(Resolve(set).collection().overlap(), 0);
+}
+
+TEST(ValidateTest, WhatSacCannotHaveIsNamedWithTheRemedy) {
+  const auto complaint = [](const std::string& field, const std::string& value) {
+    RunConfig config = Sac();
+    SetField(config, field, value);
+    return ErrorOf([&] { Validate(Resolve(config)); });
+  };
+  EXPECT_EQ(complaint("sac.replay_steps", "499"),
+            "sac.replay_steps is 499: must be at least 500, a batch and an episode");
+  EXPECT_EQ(complaint("sac.replay_ratio", "0.1"),
+            "sac.replay_ratio is 0.1: an update's 200 samples make no gradient step of 256 "
+            "(sac.batch); raise it, or collection.episodes_per_update");
+  EXPECT_EQ(complaint("sac.n_step", "501"),
+            "sac.n_step is 501: must be at most environment.horizon, 500");
+  EXPECT_NE(complaint("sac.value_limit", "7").find("success alone is worth up to 2483"),
+            std::string::npos);
+  RunConfig enough = Sac();
+  SetField(enough, "sac.value_limit", "7.9");
+  EXPECT_NO_THROW(Validate(Resolve(enough)));
 }
 
 TEST(ResolveTest, HeadsByTaskAreOneEachUnlessByTimeToo) {

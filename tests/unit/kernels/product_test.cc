@@ -156,24 +156,42 @@ TEST_P(KernelTest, TanhIsWithinSixUlpOverAllFloatsOddAndNeverAboveOne) {
   for (const float value : odd) EXPECT_TRUE(std::isnan(value));
 }
 
+TEST_P(KernelTest, ExpIsWithinTwoUlpFromMinusToPlus87AndFlatBeyond) {
+  std::vector<float> x;
+  for (int i = -200000; i <= 200000; ++i) x.push_back(float(i) * 4.5e-4F);
+  x.resize((x.size() + kPanel - 1) / kPanel * kPanel, 0);
+  std::vector<float> y = x;
+  Exp(y.data(), {1, y.size(), y.size()}, GetParam());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double want = std::exp(std::clamp(double{x[i]}, -87.0, 87.0));
+    const float ulp = std::nextafter(float(want), INFINITY) - float(want);
+    ASSERT_NEAR(y[i], want, 2 * double{ulp}) << x[i];
+  }
+}
+
 TEST_P(KernelTest, ElementwiseKernelsGiveTheBitsOfTheScalarOnes) {
   Matrix x(5, 50), y(5, 50), d(5, 50), want(5, 50), before(5, 50);
+  Matrix exp(5, 50), exp_want(5, 50);
   Fill(x, random_);
   Fill(d, random_);
   for (std::size_t r = 0; r < 5; ++r) {
     std::copy_n(x.row(r), 50, y.row(r));
     std::copy_n(d.row(r), 50, want.row(r));
     std::copy_n(d.row(r), 50, before.row(r));
+    for (std::size_t c = 0; c < 50; ++c) exp.row(r)[c] = exp_want.row(r)[c] = 20 * x.row(r)[c];
   }
   const Block block{5, 50, x.stride()};
   Tanh(x.data(), block, Isa::kScalar);
   Tanh(y.data(), block, GetParam());
   TimesTanhSlope(x.data(), want.data(), block, Isa::kScalar);
   TimesTanhSlope(y.data(), d.data(), block, GetParam());
+  Exp(exp_want.data(), block, Isa::kScalar);
+  Exp(exp.data(), block, GetParam());
   for (std::size_t r = 0; r < 5; ++r) {
     for (std::size_t c = 0; c < 50; ++c) {
       ASSERT_EQ(y.row(r)[c], x.row(r)[c]);
       ASSERT_EQ(d.row(r)[c], want.row(r)[c]);
+      ASSERT_EQ(exp.row(r)[c], exp_want.row(r)[c]);
       const float slope = 1 - x.row(r)[c] * x.row(r)[c];
       ASSERT_EQ(want.row(r)[c], before.row(r)[c] * slope);
     }

@@ -91,12 +91,12 @@ TEST_P(PolicyTest, SeveralStepsTogetherGiveTheBitsOfEachAlone) {
   numbers::RandomStream random(numbers::RandomPurpose::kEvaluate, 4, 5, 7);
   for (int count = 1; count <= int(Policy::kMostStates); ++count) {
     std::vector<float> observations(std::size_t(count) * test::kObservationSize);
-    std::vector<Policy::Action> means{std::size_t(count)};
+    std::vector<Policy::Gaussian> gaussians{std::size_t(count)};
     for (int t = 0; t + count <= config.environment().horizon(); t += 7) {
       for (float& value : observations) value = float(3 * random.Normal());
-      policy.Means(schedule, observations.data(), t, means);
+      policy.Gaussians(schedule, observations.data(), t, gaussians);
       for (int i = 0; i < count; ++i) {
-        EXPECT_EQ(means[std::size_t(i)],
+        EXPECT_EQ(gaussians[std::size_t(i)].mean,
                   policy.Mean(schedule, observations.data() + i * test::kObservationSize, t + i));
       }
     }
@@ -214,9 +214,9 @@ TEST(PolicyTest, RefusesAScheduleOfAnotherNumberOfHeads) {
   Policy policy(SmallConfig(), RandomSnapshot(SmallConfig()));
   const HeadSchedule four = ScheduleOfSix(SmallConfig(MULTIHEAD, 4));
   const std::vector<float> observation(test::kObservationSize, 0.4F);
-  Policy::Action mean{};
+  Policy::Gaussian gaussian;
   EXPECT_THROW((void)policy.Mean(four, observation.data(), 0), std::invalid_argument);
-  EXPECT_THROW(policy.Means(four, observation.data(), 0, {&mean, 1}), std::invalid_argument);
+  EXPECT_THROW(policy.Gaussians(four, observation.data(), 0, {&gaussian, 1}), std::invalid_argument);
   EXPECT_THROW((void)policy.ActAround(four, {}, 0, {}), std::invalid_argument);
 }
 

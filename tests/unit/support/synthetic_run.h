@@ -6,7 +6,7 @@
 #include "common/messages/episode.h"
 #include "common/messages/messages.h"
 #include "common/numbers/random.h"
-#include "common/policy/action_noise.h"
+#include "common/policy/explorer.h"
 #include "common/policy/head_schedule.h"
 #include "common/policy/policy.h"
 #include "common/schema/config.pb.h"
@@ -48,11 +48,29 @@ inline RunConfig SmallConfig(Method method = MULTIHEAD, int heads = 3, int overl
   return config;
 }
 
+/// The same by SAC: small networks, a small batch, two gradient steps an update.
+inline RunConfig SmallSacConfig(Method method = MULTIHEAD, int heads = 3, int overlap = 0) {
+  RunConfig config = SmallConfig(method, heads, overlap);
+  config.clear_ppo();
+  SacConfig& sac = *config.mutable_sac();
+  sac.set_batch(60);
+  sac.set_replay_ratio(0.3);  // of 400 steps an update
+  sac.set_replay_steps(1000);
+  sac.set_random_episodes(10);
+  sac.add_critic_hidden(11);
+  sac.add_critic_hidden(7);
+  sac.set_bins(21);
+  sac.set_actor_learning_rate(1e-3);
+  sac.set_critic_learning_rate(1e-3);
+  sac.set_temperature_learning_rate(3e-4);
+  return config;
+}
+
 inline Episode SyntheticEpisode(const RunConfig& config, const PolicySnapshot& snapshot,
                                 std::uint64_t number) {
   policy::Policy policy(config, snapshot);
   const auto schedule = policy::HeadSchedule::OfTraining(config, number);
-  policy::ActionNoise noise(config, number);
+  policy::Explorer explorer(config, number);
   Episode episode;
   episode.number = number;
   episode.weights_version = snapshot.version;
@@ -66,7 +84,7 @@ inline Episode SyntheticEpisode(const RunConfig& config, const PolicySnapshot& s
     }
     if (t == horizon) break;
     const float* row = episode.observation.data() + std::size_t(t) * test::kObservationSize;
-    const policy::Policy::Decision decision = policy.Act(schedule, row, t, noise.At(t));
+    const policy::Policy::Decision decision = explorer.Act(policy, schedule, row, t);
     float cost = 0;
     for (int i = 0; i < test::kActionSize; ++i) {
       const float action = decision.action[i];

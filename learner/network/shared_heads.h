@@ -6,7 +6,7 @@
 #include "common/policy/network.h"
 #include "learner/network/adam.h"
 
-namespace metronome::ppo {
+namespace metronome::network {
 
 /// Heads that learn from each other: besides its own gradient each head follows the sum of all
 /// heads' gradients, so that what one block of time learns all blocks have, and what sets a head
@@ -17,24 +17,28 @@ namespace metronome::ppo {
 /// its block ends the search of those that have not. A network with one head has nothing to share.
 class SharedHeads {
  public:
-  /// Adam's moments of the shared gradient, [size()] each: actor, then critic.
+  /// Adam's moments of the shared gradient, [size()] each, network by network.
   struct Moments {
     std::vector<float> m;
     std::vector<float> v;
     bool operator==(const Moments&) const = default;
   };
 
-  explicit SharedHeads(const policy::NetworkShape& shape);
+  /// @param networks  whose parameters lie one behind the other.
+  explicit SharedHeads(const std::vector<policy::MlpLayout>& networks);
+  /// Of PPO's actor and critic.
+  explicit SharedHeads(const policy::NetworkShape& shape)
+      : SharedHeads({policy::ActorLayout(shape), policy::CriticLayout(shape)}) {}
 
-  /// Floats of a shared gradient: one head's of the actor, and one of the critic.
+  /// Floats of a shared gradient: one head's of each network.
   [[nodiscard]] std::size_t size() const { return size_; }
 
   /// Gives all heads the parameters of the first.
   void MakeEqual(std::vector<float>& parameters) const;
 
   /// After the heads' own step: the shared one, then w_j -= decay * (w_j - mean of all w).
-  /// @param gradient, parameters  flat, of actor and critic. @param decay  from 0 to 1.
-  void Step(const network::Adam& adam, const float* gradient, float decay, Moments& moments,
+  /// @param gradient, parameters  flat, of all networks. @param decay  from 0 to 1.
+  void Step(const Adam& adam, const float* gradient, float decay, Moments& moments,
             float* parameters) const;
 
  private:
@@ -51,4 +55,4 @@ class SharedHeads {
   std::size_t size_ = 0;
 };
 
-}  // namespace metronome::ppo
+}  // namespace metronome::network

@@ -1,4 +1,4 @@
-#include "learner/ppo/shared_heads.h"
+#include "learner/network/shared_heads.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "common/policy/network.h"
 #include "tests/unit/support/synthetic_run.h"
 
-namespace metronome::ppo {
+namespace metronome::network {
 namespace {
 
 using testing::SmallConfig;
@@ -47,11 +47,11 @@ TEST(SharedHeadsTest, AHeadFollowsTheSumOfAllGradientsAndItsDistanceFromTheMeanF
   std::vector<float> after = before;
   SharedHeads::Moments moments{std::vector<float>(shared.size(), 0.5F),
                                std::vector<float>(shared.size(), 0.25F)};
-  network::AdamStep adam;
+  AdamStep adam;
   adam.learning_rate = 1e-2F;
   adam.step = 3;
   adam.gradient_scale = 0.7F;
-  shared.Step(network::Adam(adam), gradient.data(), 0.1F, moments, after.data());
+  shared.Step(Adam(adam), gradient.data(), 0.1F, moments, after.data());
 
   std::size_t at = 0;
   std::vector<bool> is_of_a_head(count, false);
@@ -106,4 +106,4 @@ TEST(SharedHeadsTest, OneCriticForAllHeadsSharesTheActorsAlone) {
 }
 
 }  // namespace
-}  // namespace metronome::ppo
+}  // namespace metronome::network

@@ -1,8 +1,8 @@
-#include "learner/ppo/shared_heads.h"
+#include "learner/network/shared_heads.h"
 
 #include <algorithm>
 
-namespace metronome::ppo {
+namespace metronome::network {
 namespace {
 
 // The sum over heads, in their order.
@@ -16,10 +16,12 @@ std::vector<float> SumOf(const float* pieces, std::size_t size, std::size_t head
 
 }  // namespace
 
-SharedHeads::SharedHeads(const policy::NetworkShape& shape) {
-  const policy::MlpLayout actor = policy::ActorLayout(shape);
-  AddNetwork(actor, 0);
-  AddNetwork(policy::CriticLayout(shape), actor.size);
+SharedHeads::SharedHeads(const std::vector<policy::MlpLayout>& networks) {
+  std::size_t offset = 0;
+  for (const policy::MlpLayout& layout : networks) {
+    AddNetwork(layout, offset);
+    offset += layout.size;
+  }
 }
 
 void SharedHeads::AddNetwork(const policy::MlpLayout& layout, std::size_t offset) {
@@ -42,8 +44,8 @@ void SharedHeads::MakeEqual(std::vector<float>& parameters) const {
   }
 }
 
-void SharedHeads::Step(const network::Adam& adam, const float* gradient, float decay,
-                       Moments& moments, float* parameters) const {
+void SharedHeads::Step(const Adam& adam, const float* gradient, float decay, Moments& moments,
+                       float* parameters) const {
   std::size_t at = 0;
   for (const Pieces& pieces : pieces_) {
     const std::vector<float> sum = SumOf(gradient + pieces.first, pieces.size, pieces.heads);
@@ -61,4 +63,4 @@ void SharedHeads::Step(const network::Adam& adam, const float* gradient, float d
   }
 }
 
-}  // namespace metronome::ppo
+}  // namespace metronome::network

@@ -1,0 +1,60 @@
+#include "learner/sac/replay.h"
+
+#include <utility>
+
+#include "common/policy/head_schedule.h"
+#include "common/policy/network.h"
+#include "common/policy/task_of.h"
+#include "learner/algorithm/learning_reward.h"
+
+namespace metronome::sac {
+namespace {
+
+// As PPO values the time after the last step (ppo.time_limit_value).
+bool Bootstraps(const Episode& episode, const RunConfig& config) {
+  if ((episode.flags.back() & kStepTerminated) != 0) return false;
+  if (episode.length() < config.environment().horizon()) return true;
+  return config.sac().time_limit_value() == BOOTSTRAP;
+}
+
+}  // namespace
+
+Replay::Replay(const RunConfig& config)
+    : config_(config), of_head_(std::size_t(policy::ShapeOf(config).heads)) {}
+
+void Replay::Add(Episode episode) {
+  const auto length = std::size_t(episode.length());
+  while (!episodes_.empty() && steps_ + length > std::size_t(config_.sac().replay_steps())) {
+    ForgetOldest();
+  }
+  const auto place = std::uint32_t(forgotten_ + episodes_.size());
+  for (std::size_t t = 0; t < length; ++t) {
+    of_head_[episode.head[t]].push_back({place, std::int32_t(t)});
+  }
+  steps_ += length;
+  ReplayEpisode kept;
+  kept.task = policy::TaskOf(config_, episode.number);
+  kept.final_head =
+      policy::HeadSchedule::OfTraining(config_, episode.number).ValueHeadAt(std::int32_t(length));
+  kept.bootstraps = Bootstraps(episode, config_);
+  episode.reward = algorithm::LearningReward(episode, config_.environment());
+  kept.episode = std::move(episode);
+  episodes_.push_back(std::move(kept));
+}
+
+void Replay::ForgetOldest() {
+  const Episode& oldest = episodes_.front().episode;
+  for (const std::uint16_t head : oldest.head) of_head_[head].pop_front();
+  steps_ -= std::size_t(oldest.length());
+  episodes_.pop_front();
+  ++forgotten_;
+}
+
+std::size_t Replay::StepsOf(std::int32_t head) const { return of_head_[std::size_t(head)].size(); }
+
+ReplayStep Replay::StepOf(std::int32_t head, std::size_t i) const {
+  const Place& place = of_head_[std::size_t(head)][i];
+  return {&episodes_[std::size_t(place.episode - forgotten_)], place.t};
+}
+
+}  // namespace metronome::sac

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "common/messages/episode.h"
+#include "common/schema/config.pb.h"
+
+namespace metronome::sac {
+
+/// An episode as it is learnt from.
+struct ReplayEpisode {
+  Episode episode;  // its rewards those to learn from (algorithm::LearningReward)
+  std::size_t task = 0;
+  std::int32_t final_head = 0;  // that values the final observation
+  bool bootstraps = false;      // whether the final observation's value is worth anything
+};
+
+/// One step of an episode.
+struct ReplayStep {
+  const ReplayEpisode* of = nullptr;
+  std::int32_t t = 0;
+};
+
+/// The newest episodes, whole, in number order: as many as sac.replay_steps holds. Finds any step
+/// of a head in constant time. Not thread-safe while it changes.
+class Replay {
+ public:
+  /// @param config  resolved.
+  explicit Replay(const RunConfig& config);
+
+  /// Takes an episode in, and forgets the oldest ones that leave no room for it. @param episode  of
+  /// a number above those before.
+  void Add(Episode episode);
+
+  [[nodiscard]] std::size_t episodes() const { return episodes_.size(); }
+  [[nodiscard]] std::size_t steps() const { return steps_; }
+  [[nodiscard]] const ReplayEpisode& episode(std::size_t i) const { return episodes_[i]; }
+
+  /// Steps in which the head acted; @param i  which of them, the oldest first.
+  [[nodiscard]] std::size_t StepsOf(std::int32_t head) const;
+  [[nodiscard]] ReplayStep StepOf(std::int32_t head, std::size_t i) const;
+
+ private:
+  struct Place {
+    std::uint32_t episode = 0;  // counted from the run's first
+    std::int32_t t = 0;
+  };
+
+  void ForgetOldest();
+
+  RunConfig config_;
+  std::deque<ReplayEpisode> episodes_;
+  std::uint64_t forgotten_ = 0;  // episodes
+  std::size_t steps_ = 0;
+  std::vector<std::deque<Place>> of_head_;  // [heads in all]
+};
+
+}  // namespace metronome::sac
