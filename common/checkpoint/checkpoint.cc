@@ -69,6 +69,11 @@ std::string SerialisePayload(const Checkpoint& checkpoint) {
   payload.set_progress_bytes(checkpoint.logs.progress_bytes);
   payload.set_events_bytes(checkpoint.logs.events_bytes);
   payload.set_wall_seconds(checkpoint.logs.wall_seconds);
+  if (checkpoint.replay != ReplayPosition()) {
+    payload.mutable_replay()->set_first(checkpoint.replay.first);
+    payload.mutable_replay()->set_next(checkpoint.replay.next);
+    payload.mutable_replay()->set_sha256(checkpoint.replay.sha256);
+  }
   if (!checkpoint.initial_weights_sha256.empty()) {
     payload.set_initial_weights_sha256(checkpoint.initial_weights_sha256);
   }
@@ -227,6 +232,8 @@ Checkpoint DecodeCheckpoint(std::string_view bytes, const std::string& name,
   checkpoint.isa = payload.isa();
   checkpoint.incarnation = payload.incarnation();
   checkpoint.logs = {payload.progress_bytes(), payload.events_bytes(), payload.wall_seconds()};
+  checkpoint.replay = {payload.replay().first(), payload.replay().next(),
+                       payload.replay().sha256()};
   checkpoint.initial_weights_sha256 = payload.initial_weights_sha256();
   return checkpoint;
 }

@@ -43,6 +43,15 @@ struct LogOffsets {
   bool operator==(const LogOffsets&) const = default;
 };
 
+/// The episodes of the replay, of an algorithm that has one (learner/record/episode_log.h): numbers
+/// first .. next - 1.
+struct ReplayPosition {
+  std::uint64_t first = 0;
+  std::uint64_t next = 0;
+  std::string sha256;  // of numbers and checksums of their records
+  bool operator==(const ReplayPosition&) const = default;
+};
+
 struct Checkpoint {
   RunConfig config;  // resolved
   TrainState state;
@@ -51,6 +60,7 @@ struct Checkpoint {
   std::string isa;                // its instruction set, see common/kernels/; empty: not noted
   std::uint64_t incarnation = 0;  // its incarnation
   LogOffsets logs;
+  ReplayPosition replay;
   std::string initial_weights_sha256;  // of what policy.initial_weights named; empty: of nothing
 };
 

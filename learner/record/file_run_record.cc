@@ -26,17 +26,24 @@ void FileRunRecord::Begin() {
                  checkpoint_.config.runtime().milestone_every());
   progress_.emplace(ProgressPath(), blank_, checkpoint_.logs.progress_bytes);
   events_.emplace(folder_ + "/" + TensorBoardLog::kFileName, checkpoint_.logs.events_bytes);
+  const RunConfig& config = checkpoint_.config;
+  if (!config.has_sac()) return;
+  episodes_.emplace(folder_, checkpoint_.replay, std::uint64_t(config.sac().replay_steps()),
+                    std::uint64_t(config.runtime().checkpoint_keep()));
 }
 
 std::string FileRunRecord::Save(const checkpoint::TrainState& state) {
   // A run that goes on from the checkpoint finds every row before it.
-  if (!progress_->Flush() || !events_->Flush()) {
+  if (!progress_->Flush() || !events_->Flush() || (episodes_ && !episodes_->Sync())) {
     throw std::system_error(errno, std::generic_category(), "the logs in " + folder_ + " wait");
   }
+  if (episodes_) checkpoint_.replay = episodes_->position();
   checkpoint_.state = state;
   checkpoint_.logs.progress_bytes = progress_->bytes();
   checkpoint_.logs.events_bytes = events_->bytes();
-  return store_->Save(checkpoint_);
+  const std::string path = store_->Save(checkpoint_);
+  if (episodes_) episodes_->Saved();
+  return path;
 }
 
 std::string FileRunRecord::LatestCheckpoint() const {
@@ -49,6 +56,10 @@ void FileRunRecord::Started(const checkpoint::TrainState& state) {
 
 void FileRunRecord::Excluded(const collect::trust::ExcludedHosts& hosts) {
   collect::trust::SaveExcludedHosts(hosts, collect::trust::ExcludedHostsPathOf(folder_));
+}
+
+void FileRunRecord::Learnt(const std::vector<Episode>& batch) {
+  if (episodes_) episodes_->Append(batch);
 }
 
 void FileRunRecord::Updated(const algorithm::UpdateReport& report, const WallReport& wall) {

@@ -6,6 +6,7 @@
 
 #include "common/checkpoint/checkpoint.h"
 #include "common/schema/config.pb.h"
+#include "learner/record/episode_log.h"
 #include "learner/record/progress_log.h"
 #include "learner/record/progress_printer.h"
 #include "learner/record/run_record.h"
@@ -14,7 +15,7 @@
 namespace metronome::record {
 
 /// A run's results in its folder: config.textproto, checkpoints/, progress.csv, the TensorBoard
-/// file; and what the terminal shows. Files are opened by Begin.
+/// file, replay/; and what the terminal shows. Files are opened by Begin.
 class FileRunRecord final : public RunRecord {
  public:
   /// @param folder       exists.
@@ -31,6 +32,7 @@ class FileRunRecord final : public RunRecord {
   [[nodiscard]] std::string LatestCheckpoint() const override;
   void Started(const checkpoint::TrainState& state) override;
   void Excluded(const collect::trust::ExcludedHosts& hosts) override;
+  void Learnt(const std::vector<Episode>& batch) override;
   void Updated(const algorithm::UpdateReport& report, const WallReport& wall) override;
   void Finished(const checkpoint::TrainState& state, const std::string& accounting) override;
   void Interrupted(const checkpoint::TrainState& state) override;
@@ -45,6 +47,7 @@ class FileRunRecord final : public RunRecord {
   std::optional<checkpoint::CheckpointStore> store_;
   std::optional<ProgressLog> progress_;
   std::optional<TensorBoardLog> events_;
+  std::optional<EpisodeLog> episodes_;  // of an algorithm with a replay
 };
 
 }  // namespace metronome::record

@@ -47,17 +47,20 @@ RecordFile::RecordFile(std::string path, std::uint64_t keep_bytes, const WholePr
 
 RecordFile::~RecordFile() { close(fd_); }
 
-void RecordFile::Append(std::string_view record) {
+bool RecordFile::Append(std::string_view record) {
   if (waiting_.size() + record.size() > kMostWaiting) {
     spdlog::error("a record of {} is lost: {} bytes wait for room already", path_, waiting_.size());
-    return;
+    return false;
   }
   const bool first = waiting_.empty();
   waiting_ += record;
-  if (Flush() || !first) return;
+  if (Flush() || !first) return true;
   spdlog::error("cannot write {}: {}; its records wait until there is room, training goes on",
                 path_, std::strerror(errno));
+  return true;
 }
+
+bool RecordFile::Sync() { return Flush() && fdatasync(fd_) == 0; }
 
 bool RecordFile::Flush() {
   if (WriteAll(fd_, waiting_)) {

@@ -25,10 +25,14 @@ class RecordFile {
   /// Hands a record to the operating system, behind those that could not be written so far. What
   /// fails (disk full, say) is logged once, and kept for the next Append or Flush: a run goes on
   /// without its log. Beyond kMostWaiting bytes records are lost, with an error.
-  void Append(std::string_view record);
+  /// @return whether the record is in the file or waits.
+  bool Append(std::string_view record);
 
   /// Tries to write what waits. @return whether nothing waits any more.
   bool Flush();
+
+  /// Flush, and all of it on disk. @return whether it is; if not, errno says why.
+  bool Sync();
 
   [[nodiscard]] std::uint64_t size() const { return size_; }  // of whole records in the file
 

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "common/checkpoint/train_state.h"
+#include "common/messages/episode.h"
 #include "learner/algorithm/update_report.h"
 #include "learner/collect/trust/excluded_hosts.h"
 #include "learner/record/metrics.h"
@@ -25,6 +27,8 @@ class RunRecord {
   virtual void Started(const checkpoint::TrainState& state) = 0;
   /// An audit excluded a host: all that are excluded from here on.
   virtual void Excluded(const collect::trust::ExcludedHosts& hosts) = 0;
+  /// A batch was learnt from: a replay is kept on disk.
+  virtual void Learnt(const std::vector<Episode>& batch) = 0;
   virtual void Updated(const algorithm::UpdateReport& report, const WallReport& wall) = 0;
   virtual void Finished(const checkpoint::TrainState& state, const std::string& accounting) = 0;
   /// Stopped before its end by a signal.

@@ -236,6 +236,7 @@ void Coordinator::FinishUpdateIfDone() {
   if (version_ % setup_.checkpoint_every == 0 || milestone || IsFinished()) state = CopyState();
   // Actors and the next update go on while the disk is busy.
   StartUpdateIfReady();
+  TellLearnt(*outcome);
   TellProgress(*outcome);
   if (state) Save(*state);
 }
@@ -257,6 +258,15 @@ void Coordinator::WaitForUpdate() {
   while (update_.runs()) {
     bus_.Wait(now_() + kLongWait);
     FinishUpdateIfDone();
+  }
+}
+
+void Coordinator::TellLearnt(const BackgroundUpdate::Outcome& outcome) {
+  const process::CpuTimer timer(process::CpuUse::kSave);
+  try {
+    record_.Learnt(*outcome.collected.batch);
+  } catch (const std::exception& failure) {
+    spdlog::error("the replay was not written: {}", failure.what());
   }
 }
 

@@ -87,6 +87,7 @@ class Coordinator {
   void FinishUpdateIfDone();
   void OnUpdateFailed(const std::exception_ptr& error);
   void WaitForUpdate();
+  void TellLearnt(const BackgroundUpdate::Outcome& outcome);
   void TellProgress(const BackgroundUpdate::Outcome& outcome);
   [[nodiscard]] record::WallReport WallReportOf(const BackgroundUpdate::Outcome& outcome);
 

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "common/config/config.h"
 #include "common/process/build_info.h"
 #include "common/process/files.h"
 #include "common/text/number_text.h"
+#include "learner/record/episode_log.h"
 #include "learner/record/run_folder.h"
 #include "learner/run/initial_weights.h"
 
@@ -88,6 +90,16 @@ void Tell(const checkpoint::FoundCheckpoint& found) {
       found.path, found.checkpoint.state.version);
 }
 
+std::vector<Episode> ReplayOf(const checkpoint::FoundCheckpoint& found, const std::string& folder) {
+  try {
+    return record::EpisodeLog::Read(folder, found.checkpoint.replay);
+  } catch (const record::ReplayDamaged& error) {
+    throw CannotStart(std::string(error.what()) + ": " + found.path +
+                      " cannot be gone on from without its replay; put a whole copy there, or "
+                      "begin anew under another --run");
+  }
+}
+
 }  // namespace
 
 RunStart StartOf(const RunRequest& request, const algorithm::AlgorithmFactory& factory) {
@@ -101,16 +113,18 @@ RunStart StartOf(const RunRequest& request, const algorithm::AlgorithmFactory& f
     return FreshStart(request, factory);
   }
   RequireSameRun(*found, request);
+  std::vector<Episode> replay = ReplayOf(*found, request.folder);
   Tell(*found);
   checkpoint::CheckpointStore(folder, request.config.runtime().checkpoint_keep()).GoOnFrom(*found);
-  RunStart start{std::move(found->checkpoint), true, found->path};
+  RunStart start{std::move(found->checkpoint), true, found->path, std::move(replay)};
   start.checkpoint.config = request.config;
   return start;
 }
 
-std::unique_ptr<algorithm::Algorithm> AlgorithmOf(const RunStart& start,
+std::unique_ptr<algorithm::Algorithm> AlgorithmOf(RunStart& start,
                                                   const algorithm::AlgorithmFactory& factory,
-                                                  const algorithm::AlgorithmResources& resources) {
+                                                  algorithm::AlgorithmResources resources) {
+  resources.replay = std::move(start.replay);
   try {
     return factory.Make(start.checkpoint.config, start.checkpoint.state, resources);
   } catch (const algorithm::UnusableState& error) {

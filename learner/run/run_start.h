@@ -3,6 +3,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "common/checkpoint/checkpoint.h"
 #include "common/config/environment_spec.h"
@@ -31,6 +32,7 @@ struct RunStart {
   checkpoint::Checkpoint checkpoint;  // of version 0 where there was none
   bool resumed = false;               // the checkpoint is on disk
   std::string path;                   // there
+  std::vector<Episode> replay;        // the checkpoint's, of an algorithm that has one
 };
 
 /// Version 0 of a new run; with --resume the newest checkpoint that is whole (damaged ones are put
@@ -41,9 +43,10 @@ struct RunStart {
 ///         there is one, the way out.
 RunStart StartOf(const RunRequest& request, const algorithm::AlgorithmFactory& factory);
 
-/// The algorithm at the start's state. @throws CannotStart naming the file if it cannot go on.
-std::unique_ptr<algorithm::Algorithm> AlgorithmOf(const RunStart& start,
+/// The algorithm at the start's state, with its replay, which leaves `start`.
+/// @param resources  all but the replay. @throws CannotStart naming the file if it cannot go on.
+std::unique_ptr<algorithm::Algorithm> AlgorithmOf(RunStart& start,
                                                   const algorithm::AlgorithmFactory& factory,
-                                                  const algorithm::AlgorithmResources& resources);
+                                                  algorithm::AlgorithmResources resources);
 
 }  // namespace metronome::run

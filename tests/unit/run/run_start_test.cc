@@ -55,7 +55,8 @@ class RunStartTest : public TemporaryFolderTest {
 
   [[nodiscard]] std::string Refusal() const {
     try {
-      AlgorithmOf(StartOf(request_, *ppo_), *ppo_, {});
+      RunStart start = StartOf(request_, *ppo_);
+      AlgorithmOf(start, *ppo_, {});
     } catch (const std::exception& error) {
       return error.what();
     }

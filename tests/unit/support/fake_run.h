@@ -89,6 +89,7 @@ class FakeRecord final : public record::RunRecord {
     }
     excluded = hosts;
   }
+  void Learnt(const std::vector<Episode>& batch) override { learnt += batch.size(); }
   void Updated(const algorithm::UpdateReport& report, const record::WallReport& wall) override {
     walls.push_back(wall);
     updates.push_back(report.version);
@@ -106,6 +107,7 @@ class FakeRecord final : public record::RunRecord {
   int exclusions_to_fail = 0;
   std::vector<checkpoint::TrainState> saved;
   std::vector<std::size_t> assignments_before_save;
+  std::size_t learnt = 0;  // episodes
   std::vector<std::uint64_t> updates;
   std::vector<record::WallReport> walls;
   std::string finished;
