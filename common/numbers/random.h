@@ -16,8 +16,8 @@ enum class RandomPurpose : std::uint64_t {
   kHeadPermutation = 5,
   kAudit = 6,
   kCheck = 7,
-  kReplay = 8,       // which steps a gradient step of SAC learns from
-  kUpdateNoise = 9   // of the actions that it tries
+  kReplay = 8,      // which steps a gradient step of SAC learns from
+  kUpdateNoise = 9  // of the actions that it tries
 };
 
 /// Which draw inside a train or evaluate episode; see RandomStream's `t`.
