@@ -1,7 +1,6 @@
 #include "learner/ppo/ppo_algorithm.h"
 
-#include "common/process/cpu_times.h"
-#include "learner/algorithm/episode_checker.h"
+#include "learner/algorithm/trainer_algorithm.h"
 #include "learner/ppo/ppo_report.h"
 #include "learner/ppo/ppo_state.h"
 #include "learner/ppo/trainer.h"
@@ -9,45 +8,14 @@
 namespace metronome::ppo {
 namespace {
 
-class PpoAlgorithm final : public algorithm::Algorithm {
- public:
-  PpoAlgorithm(const RunConfig& config, const checkpoint::TrainState& state,
-               const algorithm::AlgorithmResources& resources)
-      : config_(config),
-        trainer_(config, DecodePpoState(state, config), resources.threads),
-        checker_(config, resources.check_key) {}
-
-  [[nodiscard]] const checkpoint::RunCounters& counters() const override {
-    return trainer_.state();
+struct Parts {
+  static checkpoint::TrainState Encode(const PpoState& state, const RunConfig& config) {
+    return EncodePpoState(state, config);
   }
-  algorithm::UpdateReport Update(const std::vector<Episode>& batch) override {
-    const process::CpuTimer timer(
-        process::CpuUse::kUpdate);  // the team's other threads count for themselves
-    PpoReport report = trainer_.Update(batch);
-    report.metrics = PpoMetrics(report);
-    return report;
+  static PpoReport BlankReport(std::size_t heads) { return EmptyPpoReport(heads); }
+  static std::vector<algorithm::Metric> MetricsOf(const PpoReport& report) {
+    return PpoMetrics(report);
   }
-  [[nodiscard]] checkpoint::TrainState State() const override {
-    return EncodePpoState(trainer_.state(), config_);
-  }
-  [[nodiscard]] PolicySnapshot Snapshot() const override {
-    return SnapshotOf(trainer_.state(), config_);
-  }
-  [[nodiscard]] PolicySnapshot PreviousSnapshot() const override {
-    return PreviousSnapshotOf(trainer_.state(), config_);
-  }
-  [[nodiscard]] std::optional<std::string> Check(const Episode& episode,
-                                                 const PolicySnapshot& snapshot) const override {
-    return checker_.Check(episode, snapshot);
-  }
-  [[nodiscard]] std::vector<algorithm::Metric> Metrics() const override {
-    return PpoMetrics(EmptyPpoReport(std::size_t(policy::ShapeOf(config_).heads)));
-  }
-
- private:
-  RunConfig config_;
-  Trainer trainer_;
-  mutable algorithm::EpisodeChecker checker_;
 };
 
 class PpoFactory final : public algorithm::AlgorithmFactory {
@@ -65,7 +33,9 @@ class PpoFactory final : public algorithm::AlgorithmFactory {
   [[nodiscard]] std::unique_ptr<algorithm::Algorithm> Make(
       const RunConfig& config, const checkpoint::TrainState& state,
       const algorithm::AlgorithmResources& resources) const override {
-    return std::make_unique<PpoAlgorithm>(config, state, resources);
+    return std::make_unique<algorithm::TrainerAlgorithm<Trainer, Parts>>(
+        config, std::make_unique<Trainer>(config, DecodePpoState(state, config), resources.threads),
+        resources.check_key);
   }
 };
 

@@ -1,7 +1,6 @@
 #include "learner/sac/sac_algorithm.h"
 
-#include "common/process/cpu_times.h"
-#include "learner/algorithm/episode_checker.h"
+#include "learner/algorithm/trainer_algorithm.h"
 #include "learner/sac/sac_report.h"
 #include "learner/sac/sac_state.h"
 #include "learner/sac/trainer.h"
@@ -9,45 +8,14 @@
 namespace metronome::sac {
 namespace {
 
-class SacAlgorithm final : public algorithm::Algorithm {
- public:
-  SacAlgorithm(const RunConfig& config, const checkpoint::TrainState& state,
-               const algorithm::AlgorithmResources& resources)
-      : config_(config),
-        trainer_(config, DecodeSacState(state, config), resources.replay, resources.threads),
-        checker_(config, resources.check_key) {}
-
-  [[nodiscard]] const checkpoint::RunCounters& counters() const override {
-    return trainer_.state();
+struct Parts {
+  static checkpoint::TrainState Encode(const SacState& state, const RunConfig& config) {
+    return EncodeSacState(state, config);
   }
-  algorithm::UpdateReport Update(const std::vector<Episode>& batch) override {
-    const process::CpuTimer timer(
-        process::CpuUse::kUpdate);  // the team's other threads count for themselves
-    SacReport report = trainer_.Update(batch);
-    report.metrics = SacMetrics(report);
-    return report;
+  static SacReport BlankReport(std::size_t heads) { return EmptySacReport(heads); }
+  static std::vector<algorithm::Metric> MetricsOf(const SacReport& report) {
+    return SacMetrics(report);
   }
-  [[nodiscard]] checkpoint::TrainState State() const override {
-    return EncodeSacState(trainer_.state(), config_);
-  }
-  [[nodiscard]] PolicySnapshot Snapshot() const override {
-    return SnapshotOf(trainer_.state(), config_);
-  }
-  [[nodiscard]] PolicySnapshot PreviousSnapshot() const override {
-    return PreviousSnapshotOf(trainer_.state(), config_);
-  }
-  [[nodiscard]] std::optional<std::string> Check(const Episode& episode,
-                                                 const PolicySnapshot& snapshot) const override {
-    return checker_.Check(episode, snapshot);
-  }
-  [[nodiscard]] std::vector<algorithm::Metric> Metrics() const override {
-    return SacMetrics(EmptySacReport(std::size_t(policy::ShapeOf(config_).heads)));
-  }
-
- private:
-  RunConfig config_;
-  Trainer trainer_;
-  mutable algorithm::EpisodeChecker checker_;
 };
 
 class SacFactory final : public algorithm::AlgorithmFactory {
@@ -67,7 +35,11 @@ class SacFactory final : public algorithm::AlgorithmFactory {
   [[nodiscard]] std::unique_ptr<algorithm::Algorithm> Make(
       const RunConfig& config, const checkpoint::TrainState& state,
       const algorithm::AlgorithmResources& resources) const override {
-    return std::make_unique<SacAlgorithm>(config, state, resources);
+    return std::make_unique<algorithm::TrainerAlgorithm<Trainer, Parts>>(
+        config,
+        std::make_unique<Trainer>(config, DecodeSacState(state, config), resources.replay,
+                                  resources.threads),
+        resources.check_key);
   }
 };
 

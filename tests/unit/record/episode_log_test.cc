@@ -138,7 +138,7 @@ TEST_F(EpisodeLogTest, SegmentsThatNoKeptCheckpointNeedsAreRemoved) {
     return count;
   };
   checkpoint::ReplayPosition before;
-  for (std::uint64_t number = 0; number < 16; ++number) {
+  for (std::uint64_t number = 0; number < 10; ++number) {
     Episode episode = EpisodeNumber(number);
     episode.observation.resize((kSteps + 1) * 350000);
     log.Append({episode});
@@ -149,7 +149,7 @@ TEST_F(EpisodeLogTest, SegmentsThatNoKeptCheckpointNeedsAreRemoved) {
     before = log.position();
   }
   const checkpoint::ReplayPosition position = log.position();
-  EXPECT_EQ(position.first, 14U);
+  EXPECT_EQ(position.first, 8U);
   EXPECT_EQ(EpisodeLog::Read(root_, position).size(), 2U);
 }
 
