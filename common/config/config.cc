@@ -25,16 +25,21 @@ const std::string* OriginOfGroup(const ConfigOrigins& origins, const std::string
   return first != origins.end() && first->first.starts_with(group + ".") ? &first->second : nullptr;
 }
 
+void RequireNotBoth(const ParsedConfig& parsed, const std::string& group,
+                    const ConfigOrigins& origins, const std::string& other) {
+  const std::string* here = OriginOfGroup(parsed.origins, group);
+  const std::string* before = OriginOfGroup(origins, other);
+  if (here == nullptr || before == nullptr) return;
+  throw ConfigError(*here + ": " + group + " is set, and " + other + " at " + *before +
+                    ": a run learns by one of the two");
+}
+
 /// A file's algorithm would replace an earlier file's without a word.
 void RequireSameAlgorithm(const ParsedConfig& parsed, const ConfigOrigins& origins) {
   constexpr std::array kAlgorithms = {"ppo", "sac", "custom"};
   for (const std::string group : kAlgorithms) {
     for (const std::string other : kAlgorithms) {
-      const std::string* here = OriginOfGroup(parsed.origins, group);
-      const std::string* before = OriginOfGroup(origins, other);
-      if (group == other || here == nullptr || before == nullptr) continue;
-      throw ConfigError(*here + ": " + group + " is set, and " + other + " at " + *before +
-                        ": a run learns by one of the two");
+      if (group != other) RequireNotBoth(parsed, group, origins, other);
     }
   }
 }

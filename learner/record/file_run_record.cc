@@ -41,7 +41,7 @@ std::string FileRunRecord::Save(const checkpoint::TrainState& state) {
   checkpoint_.state = state;
   checkpoint_.logs.progress_bytes = progress_->bytes();
   checkpoint_.logs.events_bytes = events_->bytes();
-  const std::string path = store_->Save(checkpoint_);
+  std::string path = store_->Save(checkpoint_);
   if (episodes_) episodes_->Saved();
   return path;
 }
