@@ -242,6 +242,9 @@ void EpisodeLog::OpenSegment(std::uint64_t first, std::uint64_t keep_bytes) {
 }
 
 void EpisodeLog::Append(const std::vector<Episode>& batch) {
+  const bool lost_before = lost_;
+  lost_ = true;  // until all of the batch is in a file or waits: a segment may not open
+  bool all_kept = true;
   // What waits for room stays with its file.
   if (!batch.empty() && (!file_ || (file_->size() >= kSegmentBytes && file_->Sync()))) {
     segments_.push_back(batch.front().number);
@@ -253,11 +256,12 @@ void EpisodeLog::Append(const std::vector<Episode>& batch) {
     std::string record;
     Put(record, std::uint32_t(payload.size()));
     Put(record, checksum);
-    if (!file_->Append(record + payload)) lost_ = true;
+    all_kept = file_->Append(record + payload) && all_kept;
     entries_.push_back({episode.number, checksum, std::uint32_t(episode.reward.size())});
     steps_ += episode.reward.size();
     next_ = episode.number + 1;
   }
+  lost_ = lost_before || !all_kept;
   Forget();
 }
 

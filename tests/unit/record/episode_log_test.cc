@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "common/process/files.h"
@@ -125,6 +126,16 @@ TEST_F(EpisodeLogTest, EpisodesOfAnotherRunAreRefused) {
   other.Append(episodes);
   EXPECT_TRUE(other.Sync());
   EXPECT_NE(ErrorOfReading(position).find("holds other episodes 0 to 4"), std::string::npos);
+}
+
+TEST_F(EpisodeLogTest, NoCheckpointFollowsABatchThatFoundNoFile) {
+  EpisodeLog log(root_, {}, 10 * kSteps, 2);
+  fs::create_directory(Segment());  // in the segment's place
+  EXPECT_THROW(log.Append(Episodes(0, 4)), std::system_error);
+  EXPECT_FALSE(log.Sync());
+  fs::remove(Segment());
+  log.Append(Episodes(4, 8));
+  EXPECT_FALSE(log.Sync());
 }
 
 // A segment has 32 MB; episodes of 8 MB make four a segment.
