@@ -14,4 +14,10 @@ std::vector<float> LearningReward(const Episode& episode, const EnvironmentConfi
   return rewards;
 }
 
+bool FinalStateCounts(const Episode& episode, const EnvironmentConfig& environment,
+                      TimeLimitValue at_limit) {
+  if ((episode.flags.back() & kStepTerminated) != 0) return false;
+  return episode.length() < environment.horizon() || at_limit == BOOTSTRAP;
+}
+
 }  // namespace metronome::algorithm

@@ -12,4 +12,10 @@ namespace metronome::algorithm {
 /// worth the way there. @return [T].
 std::vector<float> LearningReward(const Episode& episode, const EnvironmentConfig& environment);
 
+/// Whether the time after the last step is worth the value of the final observation, or nothing. An
+/// episode that was cut short would have gone on: its end says nothing of what comes.
+/// @param at_limit  what it is worth after the horizon's last step.
+bool FinalStateCounts(const Episode& episode, const EnvironmentConfig& environment,
+                      TimeLimitValue at_limit);
+
 }  // namespace metronome::algorithm

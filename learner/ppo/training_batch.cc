@@ -16,14 +16,6 @@
 namespace metronome::ppo {
 namespace {
 
-// The value of the time after the last step, if `value` is that of the final observation. An
-// episode that was cut short would have gone on: its end says nothing of what comes.
-float FinalValue(const Episode& episode, const RunConfig& config, float value) {
-  if ((episode.flags.back() & kStepTerminated) != 0) return 0;
-  if (episode.length() < config.environment().horizon()) return value;
-  return config.ppo().time_limit_value() == BOOTSTRAP ? value : 0;
-}
-
 // Where each episode's samples begin, and behind the last where they end.
 std::vector<std::size_t> BeginsOf(const std::vector<Episode>& episodes) {
   std::vector<std::size_t> begins = {0};
@@ -160,7 +152,9 @@ class EpisodeBuilder {
   void BuildAdvantages(std::size_t part, std::vector<float>& rewards) {
     const PpoConfig& ppo = source_.config.ppo();
     std::vector<float>& values = values_[part];
-    const float final_value = FinalValue(episode_, source_.config, values.back());
+    const bool counts =
+        algorithm::FinalStateCounts(episode_, source_.config.environment(), ppo.time_limit_value());
+    const float final_value = counts ? values.back() : 0;
     values.pop_back();
     const float scale = source_.reward_scale[task_ * values_.size() + part];
     for (float& reward : rewards) reward /= scale;

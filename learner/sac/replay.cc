@@ -8,17 +8,6 @@
 #include "learner/algorithm/learning_reward.h"
 
 namespace metronome::sac {
-namespace {
-
-// As PPO values the time after the last step (ppo.time_limit_value).
-bool Bootstraps(const Episode& episode, const RunConfig& config) {
-  if ((episode.flags.back() & kStepTerminated) != 0) return false;
-  if (episode.length() < config.environment().horizon()) return true;
-  return config.sac().time_limit_value() == BOOTSTRAP;
-}
-
-}  // namespace
-
 Replay::Replay(const RunConfig& config)
     : config_(config), of_head_(std::size_t(policy::ShapeOf(config).heads)) {}
 
@@ -36,7 +25,8 @@ void Replay::Add(Episode episode) {
   kept.task = policy::TaskOf(config_, episode.number);
   kept.final_head =
       policy::HeadSchedule::OfTraining(config_, episode.number).ValueHeadAt(std::int32_t(length));
-  kept.bootstraps = Bootstraps(episode, config_);
+  kept.bootstraps =
+      algorithm::FinalStateCounts(episode, config_.environment(), config_.sac().time_limit_value());
   episode.reward = algorithm::LearningReward(episode, config_.environment());
   kept.episode = std::move(episode);
   episodes_.push_back(std::move(kept));

@@ -6,11 +6,13 @@
 #include <string>
 
 #include "common/checkpoint/repeated_field.h"
+#include "common/checkpoint/statistics_field.h"
 #include "common/numbers/elementary.h"
 #include "common/policy/snapshot.h"
 #include "common/policy/task_of.h"
 #include "common/process/sha256.h"
 #include "learner/algorithm/algorithm_factory.h"
+#include "learner/algorithm/state_fit.h"
 #include "learner/network/initialise.h"
 #include "learner/network/shared_heads.h"
 #include "learner/sac/sac_networks.h"
@@ -23,8 +25,6 @@ constexpr char kName[] = "sac";
 
 using Floats = std::vector<float>;
 using Moments = OptimiserState::Moments;
-using Statistics = std::vector<policy::RunningStatistics>;
-using StatisticsField = google::protobuf::RepeatedPtrField<SacStatePayload::Statistics>;
 
 Moments ZeroMoments(std::size_t size) { return {Floats(size, 0.0F), Floats(size, 0.0F)}; }
 
@@ -53,24 +53,6 @@ void FromPayload(const SacStatePayload::Weights& weights, Floats& parameters, Mo
   moments = {checkpoint::FromField(weights.adam_m()), checkpoint::FromField(weights.adam_v())};
 }
 
-void ToPayload(const Statistics& statistics, StatisticsField& field) {
-  for (const policy::RunningStatistics& of_task : statistics) {
-    SacStatePayload::Statistics& payload = *field.Add();
-    payload.mutable_mean()->Assign(of_task.mean.begin(), of_task.mean.end());
-    payload.mutable_m2()->Assign(of_task.m2.begin(), of_task.m2.end());
-    payload.set_count(of_task.count);
-  }
-}
-
-Statistics FromPayload(const StatisticsField& field) {
-  Statistics statistics;
-  for (const SacStatePayload::Statistics& payload : field) {
-    statistics.push_back({checkpoint::FromField(payload.mean()),
-                          checkpoint::FromField(payload.m2()), payload.count()});
-  }
-  return statistics;
-}
-
 std::string BytesOf(const SacState& state) {
   const OptimiserState& optimiser = state.optimiser;
   SacStatePayload payload;
@@ -82,63 +64,46 @@ std::string BytesOf(const SacState& state) {
   ToPayload(optimiser.of_critic_heads, *payload.mutable_critics());
   payload.mutable_targets()->Assign(optimiser.targets.begin(), optimiser.targets.end());
   payload.set_gradient_steps(optimiser.gradient_steps);
-  ToPayload(state.observation, *payload.mutable_observation());
+  checkpoint::ToField(state.observation, *payload.mutable_observation());
   payload.mutable_previous_actor()->Assign(state.previous_actor.begin(),
                                            state.previous_actor.end());
-  ToPayload(state.previous_observation, *payload.mutable_previous_observation());
+  checkpoint::ToField(state.previous_observation, *payload.mutable_previous_observation());
   return payload.SerializeAsString();
 }
 
-void RequireSize(std::size_t size, std::size_t wanted, const std::string& what) {
-  if (size == wanted) return;
-  throw algorithm::UnusableState("its state of sac has another shape: " + what + " has " +
-                                 std::to_string(size) + " numbers, its configuration asks for " +
-                                 std::to_string(wanted));
-}
-
-void RequireSizes(const Floats& parameters, const Moments& moments, std::size_t wanted,
-                  const std::string& what) {
-  RequireSize(parameters.size(), wanted, what);
-  RequireSize(moments.m.size(), wanted, "Adam's first moment of " + what);
-  RequireSize(moments.v.size(), wanted, "Adam's second moment of " + what);
-}
-
-void RequireStatistics(const Statistics& statistics, std::size_t tasks, std::size_t dimensions,
-                       const std::string& what) {
-  RequireSize(statistics.size(), tasks, what);
-  for (const policy::RunningStatistics& of_task : statistics) {
-    const bool empty = of_task.mean.empty() && of_task.m2.empty() && of_task.count == 0;
-    if (empty) continue;
-    RequireSize(of_task.mean.size(), dimensions, what);
-    RequireSize(of_task.m2.size(), dimensions, what);
-  }
+void RequireSizes(const algorithm::StateFit& fit, const Floats& parameters, const Moments& moments,
+                  std::size_t wanted, const std::string& what) {
+  fit.Size(parameters.size(), wanted, what);
+  fit.Size(moments.m.size(), wanted, "Adam's first moment of " + what);
+  fit.Size(moments.v.size(), wanted, "Adam's second moment of " + what);
 }
 
 void RequireFit(const SacState& state, const RunConfig& config) {
+  const algorithm::StateFit fit(kName);
   const SacNetworks networks(config);
   const OptimiserState& optimiser = state.optimiser;
   const std::size_t critics = kCritics * networks.critic.size;
-  RequireSizes(optimiser.actor, optimiser.of_actor, networks.actor.size, "the policy");
-  RequireSizes(optimiser.critics, optimiser.of_critics, critics, "the critics");
-  RequireSize(optimiser.targets.size(), critics, "the target critics");
-  RequireSizes(optimiser.log_temperature, optimiser.of_log_temperature,
+  RequireSizes(fit, optimiser.actor, optimiser.of_actor, networks.actor.size, "the policy");
+  RequireSizes(fit, optimiser.critics, optimiser.of_critics, critics, "the critics");
+  fit.Size(optimiser.targets.size(), critics, "the target critics");
+  RequireSizes(fit, optimiser.log_temperature, optimiser.of_log_temperature,
                std::size_t(networks.shape.heads), "the temperatures");
   const bool shared = config.sac().shared_heads();
   const std::size_t of_actor = shared ? network::SharedHeads({networks.actor}).size() : 0;
   const std::size_t of_critics =
       shared ? network::SharedHeads({networks.critic, networks.critic}).size() : 0;
-  RequireSize(optimiser.of_actor_heads.m.size(), of_actor, "what heads of the policy share");
-  RequireSize(optimiser.of_actor_heads.v.size(), of_actor, "what heads of the policy share");
-  RequireSize(optimiser.of_critic_heads.m.size(), of_critics, "what heads of the critics share");
-  RequireSize(optimiser.of_critic_heads.v.size(), of_critics, "what heads of the critics share");
+  fit.Size(optimiser.of_actor_heads.m.size(), of_actor, "what heads of the policy share");
+  fit.Size(optimiser.of_actor_heads.v.size(), of_actor, "what heads of the policy share");
+  fit.Size(optimiser.of_critic_heads.m.size(), of_critics, "what heads of the critics share");
+  fit.Size(optimiser.of_critic_heads.v.size(), of_critics, "what heads of the critics share");
   if (!state.previous_actor.empty()) {
-    RequireSize(state.previous_actor.size(), networks.actor.size, "the previous policy");
+    fit.Size(state.previous_actor.size(), networks.actor.size, "the previous policy");
   }
   const auto observations = std::size_t(networks.shape.observation);
   const auto tasks = std::size_t(networks.shape.tasks);
-  RequireStatistics(state.observation, tasks, observations, "the observation statistics");
-  RequireStatistics(state.previous_observation, tasks, observations,
-                    "the previous observation statistics");
+  fit.Statistics(state.observation, tasks, observations, "the observation statistics");
+  fit.Statistics(state.previous_observation, tasks, observations,
+                 "the previous observation statistics");
 }
 
 Floats AllWeights(const OptimiserState& optimiser) {
@@ -220,9 +185,9 @@ SacState DecodeSacState(const checkpoint::TrainState& encoded, const RunConfig& 
   optimiser.of_critic_heads = SharedOf(payload.critics());
   optimiser.targets = checkpoint::FromField(payload.targets());
   optimiser.gradient_steps = payload.gradient_steps();
-  state.observation = FromPayload(payload.observation());
+  state.observation = checkpoint::StatisticsOf(payload.observation());
   state.previous_actor = checkpoint::FromField(payload.previous_actor());
-  state.previous_observation = FromPayload(payload.previous_observation());
+  state.previous_observation = checkpoint::StatisticsOf(payload.previous_observation());
   RequireFit(state, config);
   return state;
 }
