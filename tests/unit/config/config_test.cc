@@ -320,10 +320,10 @@ TEST(SetFieldTest, SetsEveryTypeFromText) {
 
 TEST(SetFieldTest, UnknownPathsGetTheNearMissAndThatGroupsList) {
   RunConfig config;
-  EXPECT_EQ(
-      ErrorOf([&] { SetField(config, "ppoo.clip", "1"); }),
-      "unknown setting \"ppoo\"; did you mean \"ppo\"? Known: environment, policy, ppo, sac, custom, "
-      "collection, runtime, seed, total_steps");
+  EXPECT_EQ(ErrorOf([&] { SetField(config, "ppoo.clip", "1"); }),
+            "unknown setting \"ppoo\"; did you mean \"ppo\"? Known: environment, policy, ppo, sac, "
+            "custom, "
+            "collection, runtime, seed, total_steps");
   EXPECT_EQ(ErrorOf([&] { SetField(config, "collection.overlp", "1"); }),
             "unknown setting of collection \"overlp\"; did you mean \"overlap\"? Known: "
             "episodes_per_update, overlap, check_share, check_tolerance");

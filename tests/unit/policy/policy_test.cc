@@ -216,7 +216,8 @@ TEST(PolicyTest, RefusesAScheduleOfAnotherNumberOfHeads) {
   const std::vector<float> observation(test::kObservationSize, 0.4F);
   Policy::Gaussian gaussian;
   EXPECT_THROW((void)policy.Mean(four, observation.data(), 0), std::invalid_argument);
-  EXPECT_THROW(policy.Gaussians(four, observation.data(), 0, {&gaussian, 1}), std::invalid_argument);
+  EXPECT_THROW(policy.Gaussians(four, observation.data(), 0, {&gaussian, 1}),
+               std::invalid_argument);
   EXPECT_THROW((void)policy.ActAround(four, {}, 0, {}), std::invalid_argument);
 }
 
