@@ -47,6 +47,10 @@ void RequireSameNetwork(const checkpoint::Checkpoint& source, const RunConfig& c
   if (policy::ShapeOf(source.config).values != policy::ShapeOf(config).values) {
     fields.emplace_back("ppo.success_weight");
   }
+  if (config.has_sac()) {
+    // The limit says what the critics' outputs stand for.
+    fields.insert(fields.end(), {"sac.critic_hidden", "sac.bins", "sac.value_limit"});
+  }
   const auto other = std::find_if(fields.begin(), fields.end(), [&](const std::string& field) {
     return there.at(field) != here.at(field);
   });

@@ -1,6 +1,8 @@
 """SAC keeps PPO's promises: the same weights however a run is carried out, its replay included."""
 
 import csv
+import random
+import time
 
 import pytest
 
@@ -65,6 +67,39 @@ def test_a_learner_killed_and_resumed_goes_on_with_its_replay(stage, expected, c
         learner.kill()
         learner = stage.learner("run", *SAC, *every, "--resume", small=LONG)
     assert stage.finish("run", learner, [actor], LONG_UPDATES) == expected
+
+
+@pytest.mark.slow
+def test_a_learner_killed_at_random_instants_goes_on_to_the_same_weights(stage, expected):
+    seed = random.randrange(2**32)
+    print(f"seed of the instants: {seed}")
+    instants = random.Random(seed)
+    learner, actor = stage.learner("run", *SAC, small=LONG), stage.actor("run")
+    for update in sorted(instants.sample(range(1, LONG_UPDATES - 4), 3)):
+        learner.expect_update(update)
+        time.sleep(instants.uniform(0, 0.1))  # an instant within an update, not a wait for anything
+        learner.kill()
+        learner = stage.learner("run", *SAC, "--resume", small=LONG)
+    assert stage.finish("run", learner, [actor], LONG_UPDATES) == expected
+
+
+@pytest.mark.slow
+def test_it_begins_with_the_networks_of_another_run(stage):
+    stage.train("source", *SAC, small=tuple("8" if word == "7" else word for word in SMALL))
+    begun = (*SAC, "--from", stage.latest("source"))
+    one = stage.train("one", *begun, "--set", "runtime.checkpoint_keep=100", small=LONG)
+    first = stage.inspect(stage.runs / "one" / "checkpoints" / "000000.ckpt")
+    assert first["initial_weights_sha256"] == stage.inspect(stage.latest("source"))["weights_sha256"]
+    assert first["steps"] == 0
+    learner, actor = stage.learner("two", *begun, small=LONG), stage.actor("two")
+    learner.expect_update(8)
+    learner.kill()
+    resumed = stage.learner("two", *begun, "--resume", small=LONG)
+    assert stage.finish("two", resumed, [actor], LONG_UPDATES) == one
+    for words in ("sac.bins=51", "sac.critic_hidden=16", "sac.value_limit=9"):
+        refused = stage.learner("new", *begun, "--set", words, small=LONG)
+        assert refused.wait() == 2 and f"its {words.split('=')[0]} is" in refused.text, refused
+        assert not (stage.runs / "new").exists()
 
 
 def cut_short(stage):
