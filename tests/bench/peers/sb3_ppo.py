@@ -7,19 +7,15 @@ Neither Monitor nor VecNormalize is in the way: without them it is at its fastes
 """
 
 import argparse
-import ctypes
-import functools
 import importlib.metadata
 import json
-import signal
 import time
 
 import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
-import official_tasks
+import sb3_environments
 
 BATCH = 8000  # steps an update
 
@@ -58,20 +54,8 @@ class RolloutStarts(BaseCallback):
         return True
 
 
-def make_in_worker(maker):
-    """A forked worker holds the others' pipes open and would outlive a main process that is killed."""
-    set_parent_death_signal = 1  # prctl(2)
-    ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGKILL)
-    return maker()
-
-
 def make_model(arguments):
-    makers = official_tasks.makers(arguments.task, range(arguments.envs))
-    if arguments.vectorisation == "dummy":
-        environments = DummyVecEnv(makers)
-    else:
-        # Forked, for no thread has started yet: the default would import everything 16 times.
-        environments = SubprocVecEnv([functools.partial(make_in_worker, maker) for maker in makers], start_method="fork")
+    environments = sb3_environments.make(arguments.task, arguments.envs, arguments.vectorisation)
     return PPO(
         "MlpPolicy", environments, device="cpu", seed=1,
         policy_kwargs={"net_arch": {"pi": [128, 128], "vf": [128, 128]}, "activation_fn": torch.nn.Tanh},

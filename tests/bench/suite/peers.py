@@ -32,18 +32,18 @@ def ensure_installed(root):
     subprocess.run([root / "tests/bench/peers/setup"], check=True, stdout=sys.stderr)
 
 
-def run(root, script, **options):
+def run(root, script, *words, **options):
     """The JSON object that a script of tests/bench/peers prints; ends the program if the script fails.
 
     run(root, "torch_ppo", task="push", env_threads=2) is `torch_ppo.py --task push --env-threads 2`;
-    an option that is True is a flag.
+    an option that is True is a flag, and one that is a list has several values.
     """
     command = [str(root / ".cache/bench-peers/bin/python"), "-W", "ignore"]
-    command.append(str(root / "tests/bench/peers" / f"{script}.py"))
+    command += [str(root / "tests/bench/peers" / f"{script}.py"), *map(str, words)]
     for name, value in options.items():
         command.append("--" + name.replace("_", "-"))
         if value is not True:
-            command.append(str(value))
+            command += map(str, value if isinstance(value, list) else [value])
     result = subprocess.run(command, capture_output=True, text=True, cwd=root)
     if result.returncode != 0:
         sys.exit(f"{' '.join(command)} failed with status {result.returncode}:\n{result.stdout}{result.stderr}")
@@ -63,6 +63,16 @@ def sb3_ppo(root, task, steps, **options):
 def torch_update(root, width, minibatch, **options):
     """PyTorch's PPO update alone: {"samples_per_second": ..., "gemm_gflops": ..., "torch": ...}."""
     return run(root, "torch_update", width=width, minibatch=minibatch, **options)
+
+
+def sb3_sac(root, task, steps, **options):
+    """Stable-Baselines3 SAC on the official package: {"steps_per_second": ..., "gradient_samples_per_step": ..., ...}."""
+    return run(root, "sb3_sac", task=task, steps=steps, **options)
+
+
+def torch_sac_steps(root, folder, threads, **options):
+    """PyTorch's SAC gradient step alone, of what sac_steps wrote: {"samples_per_second": ..., "torch": ...}."""
+    return run(root, "torch_sac_steps", folder, threads=threads, **options)
 
 
 def measure(options, record):
