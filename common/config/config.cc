@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int32_t kDefaultHeads = 10;
 constexpr std::int32_t kDefaultWidth = 128;
-constexpr std::int32_t kDefaultCriticWidth = 256;  // of SAC, as the next
+constexpr std::int32_t kDefaultCriticWidth = 128;  // of SAC, as the next
 constexpr std::int32_t kDefaultSacEpisodes = 4;    // an update
 constexpr std::int64_t kDefaultMinibatch = 2000;
 

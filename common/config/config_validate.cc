@@ -82,6 +82,8 @@ const std::map<std::string, Range>& Ranges() {
       {"sac.value_limit", {0, 80, true}},  // symexp of it is a finite float32
       {"sac.initial_temperature", {0, kUnbounded, true}},
       {"sac.target_std", {0, kUnbounded, true}},
+      {"sac.final_target_std", {0, kUnbounded, true}},
+      {"sac.target_std_decay", {0, 1}},
       {"sac.max_gradient_norm", {0, kUnbounded, true}},
       {"sac.shared_heads_decay", {0, kUnbounded}},
       {"collection.episodes_per_update", {1, 10000}},

@@ -60,6 +60,7 @@ struct MlpLayout {
   std::int32_t head_outputs = 0;  // action means (actor; squashed: and log-stds) or values (critic)
   std::size_t log_std = 0;        // actor only, unless squashed; else the size
   std::size_t size = 0;           // floats in all
+  bool normalised = false;        // each hidden layer's sums by their root mean square, before tanh
 };
 
 /// @throws std::invalid_argument for a width below 1.

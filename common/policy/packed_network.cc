@@ -3,10 +3,23 @@
 #include <algorithm>
 
 #include "common/kernels/product.h"
+#include "common/policy/rms_norm.h"
 
 namespace metronome::policy {
 
 using kernels::kPanel;
+
+namespace {
+
+void NormaliseRows(Activations& rows, std::size_t layer, std::size_t first, std::size_t count) {
+  kernels::Matrix& sums = rows.hidden[layer];
+  for (std::size_t row = first; row < first + count; ++row) {
+    rows.inv_rms[layer][row] = NormaliseByRms(sums.row(row), sums.columns());
+    std::copy_n(sums.row(row), sums.columns(), rows.normalised[layer].row(row));
+  }
+}
+
+}  // namespace
 
 PackedLayer::PackedLayer(std::int32_t inputs, std::int32_t outputs)
     : inputs_(std::size_t(inputs)),
@@ -65,10 +78,15 @@ std::vector<HeadRun> ValueRuns(const std::vector<HeadRun>& runs, const NetworkSh
 
 Activations::Activations(const MlpLayout& layout, std::size_t rows)
     : output(rows, std::size_t(layout.head_outputs)) {
-  for (const LayerSlice& slice : layout.hidden) hidden.emplace_back(rows, slice.outputs);
+  for (const LayerSlice& slice : layout.hidden) {
+    hidden.emplace_back(rows, slice.outputs);
+    if (!layout.normalised) continue;
+    normalised.emplace_back(rows, slice.outputs);
+    inv_rms.emplace_back(rows);
+  }
 }
 
-PackedNetwork::PackedNetwork(const MlpLayout& layout) {
+PackedNetwork::PackedNetwork(const MlpLayout& layout) : normalised_(layout.normalised) {
   for (const LayerSlice& slice : layout.hidden) hidden_.emplace_back(slice.inputs, slice.outputs);
   for (std::int32_t head = 0; head < layout.heads; ++head) {
     heads_.emplace_back(layout.head.inputs, layout.head_outputs);
@@ -92,6 +110,7 @@ void PackedNetwork::Forward(const kernels::Matrix& input, Activations& rows, std
   for (std::size_t i = 0; i < hidden_.size(); ++i) {
     kernels::Matrix& out = rows.hidden[i];
     hidden_[i].Forward(below->row(first), below->stride(), count, out.row(first), out.stride());
+    if (normalised_) NormaliseRows(rows, i, first, count);
     kernels::Tanh(out.row(first), {count, out.columns(), out.stride()});
     below = &out;
   }

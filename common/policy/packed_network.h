@@ -52,6 +52,10 @@ struct Activations {
   Activations(const MlpLayout& layout, std::size_t rows);
 
   std::vector<kernels::Matrix> hidden;  // of each layer, after tanh [rows, width]
+  // Where the layout is normalised, of each hidden layer: what enters tanh [rows, width], and the
+  // factor that the sums got [rows].
+  std::vector<kernels::Matrix> normalised;
+  std::vector<std::vector<float>> inv_rms;
   kernels::Matrix output;               // [rows, head_outputs], each row by its own head
 };
 
@@ -76,6 +80,7 @@ class PackedNetwork {
   static constexpr std::size_t kRows = 24;  // a good number of rows at once
 
  private:
+  bool normalised_;
   std::vector<PackedLayer> hidden_;
   std::vector<PackedLayer> heads_;  // [k]
 };

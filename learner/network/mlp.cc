@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/kernels/product.h"
+#include "common/policy/rms_norm.h"
 
 namespace metronome::network {
 namespace {
@@ -155,6 +156,12 @@ void Mlp::Backward(std::size_t first, std::size_t count, const std::vector<polic
     Matrix& d = d_hidden_[i];
     kernels::TimesTanhSlope(rows_.hidden[i].row(first), d.row(first),
                             {count, d.columns(), d.stride()});
+    if (layout_.normalised) {
+      for (std::size_t row = first; row < first + count; ++row) {
+        policy::BackThroughRms(rows_.normalised[i].row(row), rows_.inv_rms[i][row], d.row(row),
+                               d.columns());
+      }
+    }
     Matrix& below = i > 0 ? d_hidden_[i - 1] : d_input_;
     if (below.columns() > 0) MultiplyBack(backward_hidden_[i], d, first, count, below);
   }

@@ -100,7 +100,7 @@ class Mlp {
   std::vector<kernels::Matrix> backward_hidden_;
   std::vector<kernels::Matrix> backward_heads_;
   policy::Activations rows_;
-  std::vector<kernels::Matrix> d_hidden_;  // by the sums that enter tanh
+  std::vector<kernels::Matrix> d_hidden_;  // by the layer's sums
   kernels::Matrix d_output_;
   kernels::Matrix d_input_;
   std::vector<Part> weight_parts_;

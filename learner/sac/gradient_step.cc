@@ -16,6 +16,7 @@
 #include "learner/network/adam.h"
 #include "learner/network/mlp.h"
 #include "learner/sac/sac_networks.h"
+#include "learner/sac/schedules.h"
 #include "learner/sac/value_bins.h"
 
 namespace metronome::sac {
@@ -353,7 +354,8 @@ struct GradientStep::Impl {
   // without samples stays.
   void DescendTemperatures(const std::vector<HeadSums>& sums, OptimiserState& state) const {
     const network::Adam adam = AdamOf(sac.temperature_learning_rate(), 0, state.gradient_steps);
-    const double of_gaussian = 0.5 + double{policy::kHalfLogTwoPi} + numbers::Log(sac.target_std());
+    const double of_gaussian =
+        0.5 + double{policy::kHalfLogTwoPi} + TargetLogStd(gradient_step, config);
     const double wanted = double(networks.actions()) * of_gaussian;
     for (std::size_t head = 0; head < sums.size(); ++head) {
       if (sums[head].samples == 0) continue;

@@ -12,6 +12,7 @@ SacNetworks::SacNetworks(const RunConfig& config)
                                          config.sac().critic_hidden().end());
   critic = policy::LayoutOf(std::int32_t(critic_inputs()), hidden, shape.critic_heads,
                             std::int32_t(bins));
+  critic.normalised = config.sac().critic_norm();
 }
 
 }  // namespace metronome::sac

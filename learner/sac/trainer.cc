@@ -13,17 +13,10 @@
 #include "learner/network/worker_team.h"
 #include "learner/sac/gradient_step.h"
 #include "learner/sac/replay.h"
+#include "learner/sac/schedules.h"
 #include "learner/sac/transition.h"
 
 namespace metronome::sac {
-
-std::uint64_t GradientStepsDue(std::uint64_t steps, const RunConfig& config) {
-  const auto random =
-      std::uint64_t(config.sac().random_episodes()) * std::uint64_t(config.environment().horizon());
-  if (steps <= random) return 0;
-  return std::uint64_t(config.sac().replay_ratio() * double(steps - random) /
-                       double(config.sac().batch()));
-}
 
 struct Trainer::Impl {
   Impl(const RunConfig& run_config, SacState initial, int threads)

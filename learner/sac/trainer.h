@@ -33,7 +33,4 @@ class Trainer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Gradient steps that are due once `steps` steps of the environment have been learnt from, in all.
-std::uint64_t GradientStepsDue(std::uint64_t steps, const RunConfig& config);
-
 }  // namespace metronome::sac

@@ -35,10 +35,10 @@ struct Rows {
   }
 };
 
-/// Width, samples, rows of a pass.
-class MlpTest : public ::testing::TestWithParam<std::tuple<int, int, int>> {
+/// Width, samples, rows of a pass, whether it is normalised.
+class MlpTest : public ::testing::TestWithParam<std::tuple<int, int, int, bool>> {
  protected:
-  MlpTest() : mlp_(policy::ActorLayout(Shape()), std::size_t(std::get<1>(GetParam()))) {
+  MlpTest() : mlp_(Layout(), std::size_t(std::get<1>(GetParam()))) {
     rows_.count = std::size_t(std::get<1>(GetParam()));
     input_.Resize(rows_.count, 39);
     d_output_ = Normals(rows_.count * 4, 2, 1e-2);
@@ -73,7 +73,13 @@ class MlpTest : public ::testing::TestWithParam<std::tuple<int, int, int>> {
     return shape;
   }
 
-  policy::MlpLayout layout_ = policy::ActorLayout(Shape());
+  static policy::MlpLayout Layout() {
+    policy::MlpLayout layout = policy::ActorLayout(Shape());
+    layout.normalised = std::get<3>(GetParam());
+    return layout;
+  }
+
+  policy::MlpLayout layout_ = Layout();
   std::vector<float> parameters_ = Normals(layout_.size, 1, 0.2);
   Mlp mlp_;
   Rows rows_;
@@ -150,7 +156,7 @@ TEST_P(MlpTest, SquaresAreThoseOfTheGradientAndAHeadWithoutSamplesHasNone) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, MlpTest,
                          ::testing::Combine(::testing::Values(13, 64), ::testing::Values(5, 150),
-                                            ::testing::Values(1, 24)));
+                                            ::testing::Values(1, 24), ::testing::Bool()));
 
 }  // namespace
 }  // namespace metronome::network

@@ -52,11 +52,6 @@ TEST(SacTrainerTest, LearnsNothingBeforeTheRandomEpisodesAreThereAndThenByTheRat
   EXPECT_EQ(first.optimiser, InitialSacState(config).optimiser);
   EXPECT_EQ(first.observation[0].count, 400);
   EXPECT_EQ(TrainFor(config, 2, 1).optimiser.gradient_steps, 2U);  // 0.3 * 400 / 60
-  RunConfig half = config;
-  half.mutable_sac()->set_replay_ratio(0.2);
-  EXPECT_EQ(GradientStepsDue(800, half), 1U);  // of 1.33: the rest waits
-  EXPECT_EQ(GradientStepsDue(1200, half), 2U);
-  EXPECT_EQ(GradientStepsDue(1600, half), 4U);
 }
 
 TEST(SacTrainerTest, GoesOnFromAStateAndItsReplayAsIfNothingHadHappened) {
