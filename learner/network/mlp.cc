@@ -25,6 +25,15 @@ Matrix BackwardPanels(const policy::LayerSlice& slice, std::size_t inputs) {
   return {kernels::PanelsOf(inputs), std::size_t(slice.outputs) * kPanel};
 }
 
+// Up to kPanel numbers; almost always all of them, which takes no call.
+void CopyPanel(const float* from, std::size_t count, float* to) {
+  if (count == kPanel) {
+    std::copy_n(from, kPanel, to);
+  } else {
+    std::copy_n(from, count, to);
+  }
+}
+
 // d_below = d * weight, of `count` rows.
 void MultiplyBack(const Matrix& panels, const Matrix& d, std::size_t first, std::size_t count,
                   Matrix& d_below) {
@@ -72,7 +81,8 @@ policy::HeadRun RunOf(const std::vector<policy::HeadRun>& runs, std::int32_t hea
 
 }  // namespace
 
-Mlp::Mlp(policy::MlpLayout layout, std::size_t rows, std::size_t inputs_with_gradient)
+Mlp::Mlp(policy::MlpLayout layout, std::size_t rows, std::size_t inputs_with_gradient,
+         bool backward)
     : layout_(std::move(layout)),
       forward_(layout_),
       rows_(layout_, rows),
@@ -82,12 +92,12 @@ Mlp::Mlp(policy::MlpLayout layout, std::size_t rows, std::size_t inputs_with_gra
     d_hidden_.emplace_back(rows, std::size_t(layout_.hidden[i].outputs));
     const std::size_t inputs =
         i == 0 ? inputs_with_gradient : std::size_t(layout_.hidden[i].inputs);
-    backward_hidden_.push_back(BackwardPanels(layout_.hidden[i], inputs));
+    backward_hidden_.push_back(BackwardPanels(layout_.hidden[i], backward ? inputs : 0));
     AddParts(layout_.hidden[i], i, 0);
   }
   for (std::int32_t head = 0; head < layout_.heads; ++head) {
     const policy::LayerSlice slice = policy::HeadSlice(layout_, head);
-    const std::size_t inputs = d_hidden_.empty() ? 0 : std::size_t(slice.inputs);
+    const std::size_t inputs = d_hidden_.empty() || !backward ? 0 : std::size_t(slice.inputs);
     backward_heads_.push_back(BackwardPanels(slice, inputs));
     AddParts(slice, layout_.hidden.size(), std::size_t(head));
   }
@@ -130,7 +140,7 @@ void Mlp::Pack(std::size_t weight_part, const float* parameters) {
     const std::size_t input = first + panel * kPanel;
     const std::size_t count = std::min(kPanel, part.inputs - input);
     for (std::size_t o = part.first_output; o < part.first_output + part.outputs; ++o) {
-      std::copy_n(weight + o * part.inputs + input, count, panels.row(panel) + o * kPanel);
+      CopyPanel(weight + o * part.inputs + input, count, panels.row(panel) + o * kPanel);
     }
   }
 }

@@ -43,7 +43,9 @@ class Mlp {
   /// @param rows  samples of a minibatch, at most.
   /// @param inputs_with_gradient  of the last so many inputs Backward leaves the gradient too; that
   ///                              takes a hidden layer.
-  Mlp(policy::MlpLayout layout, std::size_t rows, std::size_t inputs_with_gradient = 0);
+  /// @param backward  false: a network without Backward, which is packed the faster.
+  Mlp(policy::MlpLayout layout, std::size_t rows, std::size_t inputs_with_gradient = 0,
+      bool backward = true);
 
   [[nodiscard]] const policy::MlpLayout& layout() const { return layout_; }
   /// [rows, head_outputs], each row by its own head.
@@ -96,7 +98,7 @@ class Mlp {
   policy::PackedNetwork forward_;
   // Weights as they are, in panels of 16 inputs, [outputs, 16] each: of the hidden layers (of the
   // first one those of the last inputs_with_gradient), and of the heads where there is a hidden
-  // layer.
+  // layer. Without numbers where there is no Backward.
   std::vector<kernels::Matrix> backward_hidden_;
   std::vector<kernels::Matrix> backward_heads_;
   policy::Activations rows_;

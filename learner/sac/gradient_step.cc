@@ -62,7 +62,7 @@ struct GradientStep::Impl {
         samples(std::size_t(sac.batch())),
         actor(networks.actor, samples),
         critics{MakeCritic(), MakeCritic()},
-        targets{MakeCritic(), MakeCritic()},
+        targets{MakeTarget(), MakeTarget()},
         actor_heads({networks.actor}),
         critic_heads({networks.critic, networks.critic}),
         state_input(samples, std::size_t(networks.shape.input())),
@@ -76,6 +76,7 @@ struct GradientStep::Impl {
         critic_gradient(kCritics * networks.critic.size) {}
 
   [[nodiscard]] Mlp MakeCritic() const { return {networks.critic, samples, networks.actions()}; }
+  [[nodiscard]] Mlp MakeTarget() const { return {networks.critic, samples, 0, false}; }
 
   // ---- The batch.
 

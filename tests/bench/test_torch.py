@@ -30,6 +30,10 @@ ARMS = {
     "heads that fade fast": ["--set", "sac.shared_heads_decay=100"],
     "critics with one head": ["--set", "policy.critic_heads=shared"],
     "critics that see no time": ["--set", "policy.critic_time=false"],
+    "critics that are not normalised": ["--set", "sac.critic_norm=false"],
+    # 10 gradient steps are the whole run.
+    "a wanted entropy that falls": ["--set", "sac.random_episodes=1", "--set", "sac.replay_ratio=1", "--set", "total_steps=1100",
+                                    "--set", "sac.target_std=0.1", "--set", "sac.final_target_std=1e-4"],
     "one head": ["--set", "policy.method=single"],
     "one head that sees the time": ["--set", "policy.method=single-time"],
     "three tasks": ["--tasks", "3"],

@@ -28,13 +28,15 @@ class HeadRows:
 
 
 class Networks:
-    """Equal networks side by side: tanh layers, then a layer a head.
+    """Equal networks side by side: tanh layers (normalised: of sums divided by their root mean square), then a
+    layer a head.
 
     hidden: [(weight [N, inputs, outputs], bias [N, outputs])], a pair a layer; head: such a pair too,
     [N, heads, inputs, outputs] and [N, heads, outputs].
     """
 
-    def __init__(self, hidden, head, shares):
+    def __init__(self, hidden, head, shares, normalised=False):
+        self.normalised = normalised
         self.hidden = [tensor.requires_grad_() for layer in hidden for tensor in layer]
         self.own = [tensor.requires_grad_() for tensor in head]
         self.shared = [torch.zeros_like(tensor[:, :1]).requires_grad_() for tensor in head] if shares else []
@@ -49,13 +51,14 @@ class Networks:
         return [*self.hidden, *self.own]
 
 
-def forward(weights, x, rows):
-    """[N, B, outputs] of x [B, inputs], each sample by its head."""
+def forward(weights, x, rows, normalised=False):
+    """[N, B, outputs] of x [B, inputs], each sample by its head; normalised: as Networks."""
     *hidden, weight, bias = weights
     networks = len(weight)
     x = x.expand(networks, *x.shape)
     for w, b in zip(hidden[::2], hidden[1::2]):
-        x = torch.tanh(torch.baddbmm(b[:, None], x, w))
+        x = torch.baddbmm(b[:, None], x, w)
+        x = torch.tanh(functional.rms_norm(x, x.shape[-1:], eps=1e-5) if normalised else x)
     if rows.heads == 1:
         return torch.baddbmm(bias[:, 0, None], x, weight[:, 0])
     x = x.index_select(1, rows.sample).view(networks * rows.heads, rows.size, -1)
@@ -145,10 +148,11 @@ class Batch:
 
 
 class Update:
-    """settings: the configuration's group `sac`."""
+    """settings: the configuration's group `sac`; run_steps: gradient steps of the whole run."""
 
-    def __init__(self, settings, actor, critics, log_temperature):
-        self.settings, self.actor, self.critics = settings, actor, critics
+    def __init__(self, settings, run_steps, actor, critics, log_temperature):
+        self.settings, self.run_steps, self.actor, self.critics = settings, run_steps, actor, critics
+        self.made = 0
         self.log_temperature = log_temperature
         self.targets = [weight.detach().clone() for weight in critics.weights()]
         self.bins = ValueBins(settings["bins"], settings["value_limit"], log_temperature.dtype)
@@ -165,25 +169,36 @@ class Update:
         self.of_actor.descend(loss)
         self.log_temperature.grad = self.temperature_gradient(batch, entropy)
         self.of_temperature.step()
+        self.made += 1
+
+    def values(self, weights, x, rows):
+        """The critics' logits."""
+        return forward(weights, x, rows, self.critics.normalised)
 
     def critic_loss(self, batch, noise):
         with torch.no_grad():
             action, _ = act(forward(self.actor.weights(), batch.next_state, batch.next_rows)[0], noise)
             next_input = torch.cat([batch.next_value_state, action], 1)
-            value = self.bins.value(forward(self.targets, next_input, batch.next_value_rows)).amin(0)
+            value = self.bins.value(self.values(self.targets, next_input, batch.next_value_rows)).amin(0)
             target = batch.reward + batch.discount * self.bins.decode(value)
-        logits = forward(self.critics.weights(), torch.cat([batch.value_state, batch.action], 1), batch.value_rows)
+        logits = self.values(self.critics.weights(), torch.cat([batch.value_state, batch.action], 1), batch.value_rows)
         return self.bins.cross_entropy(logits, target).mean(1).sum()
 
     def actor_loss(self, batch, noise, critics):
         """(loss, entropy of each sample)"""
         action, log_density = act(forward(self.actor.weights(), batch.state, batch.rows)[0], noise)
-        value = self.bins.value(forward(critics, torch.cat([batch.value_state, action], 1), batch.value_rows))
+        value = self.bins.value(self.values(critics, torch.cat([batch.value_state, action], 1), batch.value_rows))
         temperature = self.log_temperature.exp().index_select(0, batch.head)
         return (temperature * log_density - value.amin(0)).mean(), -log_density.detach()
 
     def temperature_gradient(self, batch, entropy):
-        """Of ln(temperature) * (entropy - that of a Gaussian of target_std), for each head."""
+        """Of ln(temperature) * (entropy - that of a Gaussian of the wanted std), for each head."""
         actions = batch.action.shape[1]
-        wanted = actions * (0.5 + 0.5 * math.log(2 * math.pi) + math.log(self.settings["target_std"]))
+        wanted = actions * (0.5 + 0.5 * math.log(2 * math.pi) + math.log(self.wanted_std()))
         return batch.mean_of_head @ entropy - wanted
+
+    def wanted_std(self):
+        """Falls from target_std to final_target_std, by the same factor a step, for target_std_decay of the run."""
+        first, last = self.settings["target_std"], self.settings["final_target_std"]
+        falling = self.settings["target_std_decay"] * self.run_steps
+        return first * (last / first)**min(1, self.made / falling) if falling else first

@@ -107,12 +107,20 @@ class Samples:
             next_head=self.head[episode, after])
 
 
+def gradient_steps(config):
+    """Of the whole run."""
+    sac = config["sac"]
+    learnt_from = int(config["total_steps"]) - sac["random_episodes"] * config["environment"]["horizon"]
+    return int(sac["replay_ratio"] * learnt_from / sac["batch"])
+
+
 def make_update(written):
     settings = written.config["sac"]
     actor, critics = (
-        torch_sac.Networks(*written.layers(name, f"{name}_before"), settings["shared_heads"] and layout["heads"] > 1)
+        torch_sac.Networks(*written.layers(name, f"{name}_before"), settings["shared_heads"] and layout["heads"] > 1,
+                           name == "critics" and settings["critic_norm"])
         for name, layout in written.layouts.items())
-    update = torch_sac.Update(settings, actor, critics, written.numbers("log_temperature_before").requires_grad_())
+    update = torch_sac.Update(settings, gradient_steps(written.config), actor, critics, written.numbers("log_temperature_before").requires_grad_())
     hidden, head = written.layers("critics", "targets_before")
     for target, value in zip(update.targets, [*(tensor for layer in hidden for tensor in layer), *head]):
         target.copy_(value)

@@ -568,10 +568,10 @@ TEST(ValidateTest, WhatSacCannotHaveIsNamedWithTheRemedy) {
             "(sac.batch); raise it, or collection.episodes_per_update");
   EXPECT_EQ(complaint("sac.n_step", "501"),
             "sac.n_step is 501: must be at most environment.horizon, 500");
-  EXPECT_NE(complaint("sac.value_limit", "7").find("success alone is worth up to 2483"),
+  EXPECT_NE(complaint("sac.value_limit", "6").find("success alone is worth up to 1000"),
             std::string::npos);
   RunConfig enough = Sac();
-  SetField(enough, "sac.value_limit", "7.9");
+  SetField(enough, "sac.value_limit", "7");
   EXPECT_NO_THROW(Validate(Resolve(enough)));
 }
 
