@@ -568,7 +568,7 @@ TEST(ValidateTest, WhatSacCannotHaveIsNamedWithTheRemedy) {
             "(sac.batch); raise it, or collection.episodes_per_update");
   EXPECT_EQ(complaint("sac.n_step", "501"),
             "sac.n_step is 501: must be at most environment.horizon, 500");
-  EXPECT_NE(complaint("sac.value_limit", "6").find("success alone is worth up to 1000"),
+  EXPECT_NE(complaint("sac.value_limit", "6").find("success alone is worth up to 999.99"),
             std::string::npos);
   RunConfig enough = Sac();
   SetField(enough, "sac.value_limit", "7");
