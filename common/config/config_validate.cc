@@ -84,6 +84,7 @@ const std::map<std::string, Range>& Ranges() {
       {"sac.target_std", {0, kUnbounded, true}},
       {"sac.final_target_std", {0, kUnbounded, true}},
       {"sac.target_std_decay", {0, 1}},
+      {"sac.success_share", {0, 1}},
       {"sac.max_gradient_norm", {0, kUnbounded, true}},
       {"sac.shared_heads_decay", {0, kUnbounded}},
       {"collection.episodes_per_update", {1, 10000}},

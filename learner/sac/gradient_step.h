@@ -7,41 +7,12 @@
 
 #include "common/messages/messages.h"
 #include "common/schema/config.pb.h"
-#include "learner/network/shared_heads.h"
 #include "learner/network/worker_team.h"
+#include "learner/sac/head_sums.h"
+#include "learner/sac/optimiser_state.h"
 #include "learner/sac/transition.h"
 
 namespace metronome::sac {
-
-/// What gradient steps change.
-struct OptimiserState {
-  struct Moments {  // of Adam
-    std::vector<float> m;
-    std::vector<float> v;
-    bool operator==(const Moments&) const = default;
-  };
-
-  using Shared = network::SharedHeads::Moments;
-
-  std::vector<float> actor;
-  std::vector<float> critics;          // the first, then the second
-  std::vector<float> targets;          // as critics
-  std::vector<float> log_temperature;  // [heads]
-  Moments of_actor;
-  Moments of_critics;
-  Moments of_log_temperature;
-  Shared of_actor_heads;  // empty without sac.shared_heads, as the next
-  Shared of_critic_heads;
-  std::uint64_t gradient_steps = 0;  // made since the run began
-  bool operator==(const OptimiserState&) const = default;
-};
-
-/// Sums over a head's samples.
-struct HeadSums {
-  double samples = 0;
-  double entropy = 0;  // minus log-density of the actions tried, nats
-  double value = 0;    // of these actions, in symlog
-};
 
 /// Figures of one gradient step, means over its batch.
 struct StepFigures {

@@ -16,6 +16,7 @@ struct ReplayEpisode {
   std::size_t task = 0;
   std::int32_t final_head = 0;  // that values the final observation
   bool bootstraps = false;      // whether the final observation's value is worth anything
+  bool success = false;         // at any step
 };
 
 /// One step of an episode.
@@ -43,19 +44,27 @@ class Replay {
   [[nodiscard]] std::size_t StepsOf(std::int32_t head) const;
   [[nodiscard]] ReplayStep StepOf(std::int32_t head, std::size_t i) const;
 
+  /// The same of episodes with success alone.
+  [[nodiscard]] std::size_t SuccessStepsOf(std::int32_t head) const;
+  [[nodiscard]] ReplayStep SuccessStepOf(std::int32_t head, std::size_t i) const;
+
  private:
   struct Place {
     std::uint32_t episode = 0;  // counted from the run's first
     std::int32_t t = 0;
   };
 
+  using Places = std::vector<std::deque<Place>>;  // [heads in all]
+
   void ForgetOldest();
+  [[nodiscard]] ReplayStep StepAt(const Place& place) const;
 
   RunConfig config_;
   std::deque<ReplayEpisode> episodes_;
   std::uint64_t forgotten_ = 0;  // episodes
   std::size_t steps_ = 0;
-  std::vector<std::deque<Place>> of_head_;  // [heads in all]
+  Places of_head_;
+  Places of_success_;  // those of episodes with success
 };
 
 }  // namespace metronome::sac

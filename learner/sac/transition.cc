@@ -29,6 +29,17 @@ Transition TransitionAt(const ReplayStep& step, const SacConfig& sac) {
   return transition;
 }
 
+namespace {
+
+// Whether a head's sample number i is to be of an episode with success.
+bool OfSuccess(const Replay& replay, std::int32_t head, std::uint64_t i, double share) {
+  const auto steps = double(replay.SuccessStepsOf(head));
+  if (steps == 0 || steps >= share * double(replay.StepsOf(head))) return false;
+  return std::uint64_t(double(i + 1) * share) > std::uint64_t(double(i) * share);
+}
+
+}  // namespace
+
 std::vector<Transition> DrawBatch(const Replay& replay, const RunConfig& config,
                                   std::uint64_t gradient_step) {
   std::vector<std::int32_t> heads;
@@ -41,7 +52,11 @@ std::vector<Transition> DrawBatch(const Replay& replay, const RunConfig& config,
   std::vector<Transition> batch;
   for (std::int32_t i = 0; i < config.sac().batch(); ++i) {
     const std::int32_t head = heads[(first + std::uint64_t(i)) % heads.size()];
-    const ReplayStep step = replay.StepOf(head, random.Below(replay.StepsOf(head)));
+    const bool success =
+        OfSuccess(replay, head, std::uint64_t(i) / heads.size(), config.sac().success_share());
+    const ReplayStep step =
+        success ? replay.SuccessStepOf(head, random.Below(replay.SuccessStepsOf(head)))
+                : replay.StepOf(head, random.Below(replay.StepsOf(head)));
     batch.push_back(TransitionAt(step, config.sac()));
   }
   std::stable_sort(batch.begin(), batch.end(), [](const Transition& a, const Transition& b) {

@@ -37,6 +37,10 @@ TEST(ReplayTest, KeepsTheNewestWholeEpisodesThatFit) {
   EXPECT_EQ(replay.StepOf(0, 0).of->episode.number, 4U);
   EXPECT_EQ(replay.StepOf(2, 38).of->episode.number, 6U);
   EXPECT_EQ(replay.StepOf(2, 38).t, 39);
+  // Of episodes 4 to 6 the last alone has success.
+  EXPECT_EQ(replay.SuccessStepsOf(1), 13U);
+  EXPECT_EQ(replay.SuccessStepOf(1, 0).of->episode.number, 6U);
+  EXPECT_EQ(replay.SuccessStepOf(1, 12).t, 26);
 }
 
 TEST(ReplayTest, FindsEachStepOfAHeadOnce) {
@@ -139,6 +143,23 @@ TEST(DrawBatchTest, HasEquallyManySamplesOfEachHeadSortedAndDependsOnTheGradient
   };
   EXPECT_EQ(places(DrawBatch(replay, config, 4)), places(batch));
   EXPECT_NE(places(DrawBatch(replay, config, 5)), places(batch));
+}
+
+TEST(DrawBatchTest, HasItsShareOfEpisodesWithSuccess) {
+  RunConfig config = SmallSacConfig();
+  const Replay replay = Filled(config, 9);  // a third of the episodes have success
+  const auto of_success = [&](double share) {
+    config.mutable_sac()->set_success_share(share);
+    std::map<std::int32_t, int> of_head;
+    for (const Transition& each : DrawBatch(replay, config, 4)) {
+      of_head[each.head] += each.step.of->success ? 1 : 0;
+    }
+    return of_head;
+  };
+  EXPECT_EQ(of_success(1), (std::map<std::int32_t, int>{{0, 20}, {1, 20}, {2, 20}}));
+  for (const auto& [head, samples] : of_success(0.8)) EXPECT_GE(samples, 16) << head;
+  // There are more of them than is asked for.
+  EXPECT_EQ(of_success(0.33), of_success(0));
 }
 
 }  // namespace
