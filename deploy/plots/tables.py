@@ -295,6 +295,36 @@ def solve(experiments):
     return _ends(cells) if cells else None
 
 
+def _number_a_seed(found):
+    return " ".join("–" if not np.isfinite(value) else f"{value:.2f}" for value in found)
+
+
+def sac(experiments):
+    """Of each seed, the last evaluation and when success was reached, beside what others published."""
+    cells = experiments.get("sac", [])
+    rows = []
+    for task in names.tasks_of(cells):
+        for arm in names.arms_of(cells):
+            own = sorted((cell for cell in scores.select(cells, task, arm) if "random" in cell.evaluations),
+                         key=lambda cell: cell.seed)
+            if not own:
+                continue
+            ends = [_number_a_seed(scores.by_seed(own, score).values()) for score in
+                    (scores.DETERMINISTIC, scores.DETERMINISTIC_200, scores.DETERMINISTIC_END)]
+            reached = efficiency.reaches(own, learning.DETERMINISTIC, NEEDED)
+            rows.append([task, names.label_of(arm, cells), markdown.millions(cell.steps for cell in own), *ends,
+                         _number_a_seed(reached / 1e6)])
+        theirs = f"{published.SAC[task]:.2f}" if task in published.SAC else "–"
+        rows.append([task, "SAC, published", markdown.millions([published.STEPS]), "", theirs, "", ""])
+    if not rows:
+        return None
+    header = (" task", " arm", "steps (M)", " success", " by step 200", " at the last step", " 0.9 first after (M)")
+    return markdown.table(header, rows) + (
+        "\n\nOne number a seed, of the mean action's last evaluation; 0.9 first after: the first milestone of that success "
+        "(– never). Published: mean of three seeds by the authors of TD-MPC2, episodes of "
+        f"{published.EPISODE} steps.")
+
+
 def exchanges(found):
     """@param found  task to exchange.Exchange."""
     if not found:
@@ -322,4 +352,5 @@ def exchanges(found):
 
 TABLES = {"final": final, "improvement": improvement, "differences": differences,
           "time-to-success": time_to_success, "reach": reach, "public": public, "heads": head_sweep,
-          "controls": control_differences, "engine": engine_differences, "solve": solve}
+          "controls": control_differences, "engine": engine_differences, "solve": solve,
+          "sac": sac}
