@@ -56,7 +56,7 @@ struct Activations {
   // factor that the sums got [rows].
   std::vector<kernels::Matrix> normalised;
   std::vector<std::vector<float>> inv_rms;
-  kernels::Matrix output;               // [rows, head_outputs], each row by its own head
+  kernels::Matrix output;  // [rows, head_outputs], each row by its own head
 };
 
 /// An MLP with k output heads, packed. One rule gives the bits of the actor's policy, the learner's
