@@ -46,6 +46,8 @@ RunConfig ConfigOf(const environment::EnvironmentRegistry& registry) {
   sac.set_temperature_learning_rate(1e-2);
   sac.set_target_rate(0.05);
   sac.set_target_std(0.1);
+  sac.set_target_std_decay(0);
+  sac.set_noise_spread(1);
   sac.set_shared_heads(false);
   return config;
 }
