@@ -28,12 +28,12 @@ def renderer(root):
 
 
 def render(program, checkpoint, target):
-    """Makes the picture or video `target`. @return what the program said of the episode."""
+    """Makes the picture or video `target`. @return what the program said of the episode, its first line."""
     done = children.said_by([str(program), "render", "--checkpoint", str(checkpoint), "--seed", str(SEED),
                              "--episode", str(EPISODE), "--out", str(target)])
     if done.returncode != 0:
         raise RenderError(f"{Path(checkpoint).name}: {done.stderr.strip()}")
-    return done.stdout.strip()
+    return done.stdout.splitlines()[0]
 
 
 def caption(said):

@@ -111,3 +111,11 @@ def test_a_cell_on_another_engine_is_compared_with_itself(tmp_path):
     figures("--results", tmp_path / "results", "--out", tmp_path / "out", "--page", page)
     row = next(line for line in page.read_text().splitlines() if "push" in line)
     assert "| 3, 3 | paired | -" in row, row
+
+
+def test_a_caption_says_the_episode_and_no_file(tmp_path):
+    program = tmp_path / "metronome-actor"
+    program.write_text("#!/bin/sh\necho 'push, weights version 250: return 4723.1, success'\necho wrote skill.png\n")
+    program.chmod(0o755)
+    said = policies.render(program, tmp_path / "push.ckpt", tmp_path / "skill.png")
+    assert policies.caption(said).endswith(" Push, weights version 250: return 4723.1, success.")
