@@ -12,8 +12,8 @@ namespace metronome::policy {
 float NormaliseByRms(float* row, std::size_t size);
 
 /// Back through it: d becomes the gradient by what the row was before.
-/// @param row         as NormaliseByRms left it, and its @param inv_rms.
-/// @param d  [size]   by the row; padded as the row.
+/// @param row      as NormaliseByRms left it. @param inv_rms  what that returned.
+/// @param d        [size], the gradient by the row; padded as the row.
 void BackThroughRms(const float* row, float inv_rms, float* d, std::size_t size);
 
 }  // namespace metronome::policy

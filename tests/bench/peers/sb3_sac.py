@@ -26,7 +26,7 @@ def parse_arguments():
     parser.add_argument("--batch", type=int, default=256)
     parser.add_argument("--replay-ratio", type=int, default=8, help="samples of gradient steps for each step (default 8)")
     parser.add_argument("--hidden", type=int, nargs="+", default=[128, 128], help="widths of the policy (default 128 128)")
-    parser.add_argument("--critic-hidden", type=int, nargs="+", default=[256, 256], help="of each critic (default 256 256)")
+    parser.add_argument("--critic-hidden", type=int, nargs="+", default=[128, 128], help="of each critic (default 128 128)")
     arguments = parser.parse_args()
     arguments.steps_between = arguments.batch // arguments.replay_ratio  # of one gradient step and the next
     if arguments.batch % arguments.replay_ratio or arguments.steps_between % arguments.envs:
@@ -58,7 +58,7 @@ def make_model(arguments):
         "MlpPolicy", environments, device="cpu", seed=1,
         policy_kwargs={"net_arch": {"pi": arguments.hidden, "qf": arguments.critic_hidden}, "activation_fn": torch.nn.Tanh},
         train_freq=(arguments.steps_between // arguments.envs, "step"), gradient_steps=1, batch_size=arguments.batch,
-        learning_starts=1024, buffer_size=1_000_000, learning_rate=5e-4, gamma=0.99, tau=0.02)
+        learning_starts=1024, buffer_size=1_000_000, learning_rate=1e-3, gamma=0.975, tau=0.05)
 
 
 def main():
