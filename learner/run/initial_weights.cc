@@ -49,7 +49,8 @@ void RequireSameNetwork(const checkpoint::Checkpoint& source, const RunConfig& c
   }
   if (config.has_sac()) {
     // The limit says what the critics' outputs stand for.
-    fields.insert(fields.end(), {"sac.critic_hidden", "sac.critic_norm", "sac.bins", "sac.value_limit"});
+    fields.insert(fields.end(),
+                  {"sac.critic_hidden", "sac.critic_norm", "sac.bins", "sac.value_limit"});
   }
   const auto other = std::find_if(fields.begin(), fields.end(), [&](const std::string& field) {
     return there.at(field) != here.at(field);
