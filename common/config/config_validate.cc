@@ -69,6 +69,7 @@ const std::map<std::string, Range>& Ranges() {
       {"sac.actor_learning_rate", {0, kUnbounded, true}},
       {"sac.critic_learning_rate", {0, kUnbounded, true}},
       {"sac.temperature_learning_rate", {0, kUnbounded}},
+      {"sac.learning_rate_floor", {0, 1}},
       {"sac.adam_epsilon", {0, kUnbounded, true}},
       {"sac.batch", {1, 1 << 20}},
       {"sac.replay_ratio", {0, kUnbounded, true}},

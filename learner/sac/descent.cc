@@ -4,6 +4,7 @@
 
 #include "common/numbers/elementary.h"
 #include "common/policy/gaussian.h"
+#include "learner/sac/schedules.h"
 
 namespace metronome::sac {
 namespace {
@@ -21,24 +22,29 @@ void ForRanges(const Mlp& mlp, std::size_t part, std::size_t offset, const Task&
 }  // namespace
 
 Descent::Descent(const RunConfig& config, StepNetworks& networks, network::WorkerTeam& team)
-    : sac_(config.sac()),
+    : config_(config),
+      sac_(config_.sac()),
       actions_(SacNetworks(config).actions()),
       networks_(networks),
       team_(team),
       actor_heads_({networks.actor.layout()}),
       critic_heads_({networks.critics[0].layout(), networks.critics[1].layout()}) {}
 
-network::Adam Descent::AdamOf(double rate, double norm, std::uint64_t step) const {
+double Descent::RateNow(double first_rate, const OptimiserState& state) const {
+  return first_rate * LearningRateShare(state.gradient_steps - 1, config_);
+}
+
+network::Adam Descent::AdamOf(double first_rate, double norm, const OptimiserState& state) const {
   network::AdamStep adam;
-  adam.learning_rate = float(rate);
+  adam.learning_rate = float(RateNow(first_rate, state));
   adam.epsilon = float(sac_.adam_epsilon());
-  adam.step = step;
+  adam.step = state.gradient_steps;
   adam.gradient_scale = float(std::min(1.0, sac_.max_gradient_norm() / (norm + 1e-6)));
   return network::Adam(adam);
 }
 
-float Descent::HeadsDecay(double learning_rate) const {
-  return float(std::min(1.0, learning_rate * sac_.shared_heads_decay()));
+float Descent::HeadsDecay(double first_rate, const OptimiserState& state) const {
+  return float(std::min(1.0, RateNow(first_rate, state) * sac_.shared_heads_decay()));
 }
 
 // target += rate * (critic - target)
@@ -51,7 +57,7 @@ void Descent::Follow(std::size_t first, std::size_t count, OptimiserState& state
 
 void Descent::Critics(const std::vector<float>& gradient, double norm,
                       OptimiserState& state) const {
-  const network::Adam adam = AdamOf(sac_.critic_learning_rate(), norm, state.gradient_steps);
+  const network::Adam adam = AdamOf(sac_.critic_learning_rate(), norm, state);
   auto& critics = networks_.critics;
   const std::size_t size = critics[0].layout().size;
   const std::size_t parts = critics[0].weight_parts();
@@ -63,7 +69,7 @@ void Descent::Critics(const std::vector<float>& gradient, double norm,
               });
   });
   if (sac_.shared_heads()) {
-    critic_heads_.Step(adam, gradient.data(), HeadsDecay(sac_.critic_learning_rate()),
+    critic_heads_.Step(adam, gradient.data(), HeadsDecay(sac_.critic_learning_rate(), state),
                        state.of_critic_heads, state.critics.data());
   }
   team_.Run(kCritics * parts, [&](std::size_t i) {
@@ -76,7 +82,7 @@ void Descent::Critics(const std::vector<float>& gradient, double norm,
 }
 
 void Descent::Actor(const std::vector<float>& gradient, double norm, OptimiserState& state) const {
-  const network::Adam adam = AdamOf(sac_.actor_learning_rate(), norm, state.gradient_steps);
+  const network::Adam adam = AdamOf(sac_.actor_learning_rate(), norm, state);
   Mlp& actor = networks_.actor;
   team_.Run(actor.weight_parts(), [&](std::size_t part) {
     ForRanges(actor, part, 0, [&](std::size_t at, std::size_t count) {
@@ -85,16 +91,16 @@ void Descent::Actor(const std::vector<float>& gradient, double norm, OptimiserSt
     });
   });
   if (sac_.shared_heads()) {
-    actor_heads_.Step(adam, gradient.data(), HeadsDecay(sac_.actor_learning_rate()),
+    actor_heads_.Step(adam, gradient.data(), HeadsDecay(sac_.actor_learning_rate(), state),
                       state.of_actor_heads, state.actor.data());
   }
   team_.Run(actor.weight_parts(), [&](std::size_t part) { actor.Pack(part, state.actor.data()); });
 }
 
-void Descent::Temperatures(const std::vector<HeadSums>& sums, double wanted_log_std,
-                           OptimiserState& state) const {
-  const network::Adam adam = AdamOf(sac_.temperature_learning_rate(), 0, state.gradient_steps);
-  const double of_gaussian = 0.5 + double{policy::kHalfLogTwoPi} + wanted_log_std;
+void Descent::Temperatures(const std::vector<HeadSums>& sums, OptimiserState& state) const {
+  const network::Adam adam = AdamOf(sac_.temperature_learning_rate(), 0, state);
+  const double log_std = TargetLogStd(state.gradient_steps - 1, config_);
+  const double of_gaussian = 0.5 + double{policy::kHalfLogTwoPi} + log_std;
   const double wanted = double(actions_) * of_gaussian;
   for (std::size_t head = 0; head < sums.size(); ++head) {
     if (sums[head].samples == 0) continue;

@@ -13,7 +13,8 @@
 
 namespace metronome::sac {
 
-/// Steps along gradients, by Adam: parameters move, and the networks take them.
+/// Steps along gradients, by Adam: parameters move, and the networks take them. The step in work is
+/// the last that the state counts.
 class Descent {
  public:
   /// @param config  resolved. @param networks, team  outlive this.
@@ -27,16 +28,18 @@ class Descent {
   void Actor(const std::vector<float>& gradient, double norm, OptimiserState& state) const;
 
   /// Of ln(temperature) * (entropy - wanted entropy), the means over each head's samples. A head
-  /// without samples stays. @param wanted_log_std  sac::TargetLogStd of the gradient step.
-  void Temperatures(const std::vector<HeadSums>& sums, double wanted_log_std,
-                    OptimiserState& state) const;
+  /// without samples stays.
+  void Temperatures(const std::vector<HeadSums>& sums, OptimiserState& state) const;
 
  private:
-  [[nodiscard]] network::Adam AdamOf(double rate, double norm, std::uint64_t step) const;
-  [[nodiscard]] float HeadsDecay(double learning_rate) const;
+  [[nodiscard]] double RateNow(double first_rate, const OptimiserState& state) const;
+  [[nodiscard]] network::Adam AdamOf(double first_rate, double norm,
+                                     const OptimiserState& state) const;
+  [[nodiscard]] float HeadsDecay(double first_rate, const OptimiserState& state) const;
   void Follow(std::size_t first, std::size_t count, OptimiserState& state) const;
 
-  SacConfig sac_;
+  RunConfig config_;
+  const SacConfig& sac_;
   std::size_t actions_;
   StepNetworks& networks_;
   network::WorkerTeam& team_;

@@ -15,7 +15,6 @@
 #include "learner/sac/batch_rows.h"
 #include "learner/sac/descent.h"
 #include "learner/sac/sac_networks.h"
-#include "learner/sac/schedules.h"
 #include "learner/sac/step_networks.h"
 #include "learner/sac/value_bins.h"
 
@@ -299,7 +298,7 @@ StepFigures GradientStep::Run(const std::vector<Transition>& batch,
   StepFigures figures = impl.Sum();
   figures.critic_gradient_norm = critic_norm;
   figures.actor_gradient_norm = actor_norm;
-  impl.descent.Temperatures(figures.heads, TargetLogStd(impl.gradient_step, impl.config), state);
+  impl.descent.Temperatures(figures.heads, state);
   return figures;
 }
 

@@ -33,7 +33,11 @@ ARMS = {
     "critics that are not normalised": ["--set", "sac.critic_norm=false"],
     # 10 gradient steps are the whole run.
     "a wanted entropy that falls": ["--set", "sac.random_episodes=1", "--set", "sac.replay_ratio=1", "--set", "total_steps=1100",
-                                    "--set", "sac.target_std=0.1", "--set", "sac.final_target_std=1e-4"],
+                                    "--set", "sac.target_std=0.1", "--set", "sac.final_target_std=1e-4",
+                                    "--set", "sac.learning_rate_floor=1"],
+    # 40 are: the tenth has the floor.
+    "learning rates that fall": ["--set", "sac.random_episodes=1", "--set", "sac.replay_ratio=1", "--set", "total_steps=2900",
+                                 "--set", "sac.learning_rate_floor=0.75"],
     "one head": ["--set", "policy.method=single"],
     "one head that sees the time": ["--set", "policy.method=single-time"],
     "three tasks": ["--tasks", "3"],

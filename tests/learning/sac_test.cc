@@ -47,6 +47,7 @@ RunConfig ConfigOf(const environment::EnvironmentRegistry& registry) {
   sac.set_target_rate(0.05);
   sac.set_target_std(0.1);
   sac.set_target_std_decay(0);
+  sac.set_learning_rate_floor(1);
   sac.set_noise_spread(1);
   sac.set_shared_heads(false);
   return config;

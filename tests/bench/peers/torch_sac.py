@@ -106,24 +106,26 @@ class Optimiser:
 
     def __init__(self, networks, learning_rate, settings):
         self.networks, self.clip = networks, settings["max_gradient_norm"]
-        self.decay = min(1.0, learning_rate * settings["shared_heads_decay"])
+        self.first_rate, self.heads_decay = learning_rate, settings["shared_heads_decay"]
         self.parameters = [*networks.own_parameters(), *networks.shared]
         self.adam = make_adam(self.parameters, learning_rate, settings)
 
-    def descend(self, loss):
+    def descend(self, loss, share):
+        """share: of the first step's learning rate."""
+        self.adam.param_groups[0]["lr"] = share * self.first_rate
         self.adam.zero_grad(set_to_none=True)
         loss.backward(inputs=self.parameters)
         norm = torch.nn.utils.get_total_norm([parameter.grad for parameter in self.networks.own_parameters()])
         torch.nn.utils.clip_grads_with_norm_(self.parameters, self.clip, norm)
         self.adam.step()
         if self.networks.shared:
-            self.fade()
+            self.fade(min(1.0, share * self.first_rate * self.heads_decay))
 
     @torch.no_grad()
-    def fade(self):
+    def fade(self, decay):
         """What sets a head apart from the heads' mean."""
         for own in self.networks.own:
-            own.lerp_(own.mean(1, keepdim=True), self.decay)
+            own.lerp_(own.mean(1, keepdim=True), decay)
 
 
 def make_adam(parameters, learning_rate, settings):
@@ -162,12 +164,14 @@ class Update:
 
     def step(self, batch, next_noise, noise):
         """One gradient step; the noise [B, action] is of the actions tried in the next states and in the states."""
-        self.of_critics.descend(self.critic_loss(batch, next_noise))
+        share = max(self.settings["learning_rate_floor"], 1 - self.made / self.run_steps)
+        self.of_critics.descend(self.critic_loss(batch, next_noise), share)
         critics = [weight.detach() for weight in self.critics.weights()]
         torch._foreach_lerp_(self.targets, critics, self.settings["target_rate"])
         loss, entropy = self.actor_loss(batch, noise, critics)
-        self.of_actor.descend(loss)
+        self.of_actor.descend(loss, share)
         self.log_temperature.grad = self.temperature_gradient(batch, entropy)
+        self.of_temperature.param_groups[0]["lr"] = share * self.settings["temperature_learning_rate"]
         self.of_temperature.step()
         self.made += 1
 

@@ -20,6 +20,23 @@ TEST(SacSchedulesTest, GradientStepsAreDueByTheRatioAfterTheRandomEpisodes) {
   EXPECT_EQ(GradientStepsDue(1600, config), 4U);
 }
 
+TEST(SacSchedulesTest, LearningRatesFallLinearlyToTheFloor) {
+  RunConfig config = SmallSacConfig();
+  SacConfig& sac = *config.mutable_sac();
+  config.set_total_steps(60400);
+  sac.set_replay_ratio(1);  // 1000 gradient steps
+  sac.set_learning_rate_floor(0);
+  EXPECT_DOUBLE_EQ(LearningRateShare(0, config), 1);
+  EXPECT_DOUBLE_EQ(LearningRateShare(250, config), 0.75);
+  EXPECT_DOUBLE_EQ(LearningRateShare(1001, config),
+                   0);  // an update that goes beyond the run's length
+  sac.set_learning_rate_floor(0.5);
+  EXPECT_DOUBLE_EQ(LearningRateShare(400, config), 0.6);
+  EXPECT_DOUBLE_EQ(LearningRateShare(999, config), 0.5);
+  sac.set_learning_rate_floor(1);
+  EXPECT_DOUBLE_EQ(LearningRateShare(999, config), 1);
+}
+
 TEST(SacSchedulesTest, TheTargetStdFallsByOneFactorAStepAndStays) {
   RunConfig config = SmallSacConfig();
   SacConfig& sac = *config.mutable_sac();
