@@ -86,6 +86,7 @@ const std::map<std::string, Range>& Ranges() {
       {"sac.final_target_std", {0, kUnbounded, true}},
       {"sac.target_std_decay", {0, 1}},
       {"sac.success_share", {0, 1}},
+      {"sac.best_share", {0, 1}},
       {"sac.noise_spread", {1, 100}},
       {"sac.max_gradient_norm", {0, kUnbounded, true}},
       {"sac.shared_heads_decay", {0, kUnbounded}},

@@ -1,6 +1,7 @@
 #include "learner/sac/replay.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "common/policy/head_schedule.h"
@@ -12,7 +13,8 @@ namespace metronome::sac {
 Replay::Replay(const RunConfig& config)
     : config_(config),
       of_head_(std::size_t(policy::ShapeOf(config).heads)),
-      of_success_(of_head_.size()) {}
+      of_success_(of_head_.size()),
+      by_reward_(policy::TaskCount(config)) {}
 
 void Replay::Add(Episode episode) {
   const auto length = std::size_t(episode.length());
@@ -35,12 +37,19 @@ void Replay::Add(Episode episode) {
   kept.bootstraps =
       algorithm::FinalStateCounts(episode, config_.environment(), config_.sac().time_limit_value());
   episode.reward = algorithm::LearningReward(episode, config_.environment());
+  kept.total_reward = std::accumulate(episode.reward.begin(), episode.reward.end(), 0.0);
+  Ranking& ranking = by_reward_[kept.task];
+  const Ranking::value_type ranked{-kept.total_reward, place};
+  ranking.insert(std::lower_bound(ranking.begin(), ranking.end(), ranked), ranked);
   kept.episode = std::move(episode);
   episodes_.push_back(std::move(kept));
 }
 
 void Replay::ForgetOldest() {
   const Episode& oldest = episodes_.front().episode;
+  Ranking& ranking = by_reward_[episodes_.front().task];
+  const Ranking::value_type ranked{-episodes_.front().total_reward, std::uint32_t(forgotten_)};
+  ranking.erase(std::lower_bound(ranking.begin(), ranking.end(), ranked));
   for (const std::uint16_t head : oldest.head) {
     of_head_[head].pop_front();
     if (episodes_.front().success) of_success_[head].pop_front();
@@ -62,6 +71,10 @@ ReplayStep Replay::StepOf(std::int32_t head, std::size_t i) const {
 
 ReplayStep Replay::SuccessStepOf(std::int32_t head, std::size_t i) const {
   return StepAt(of_success_[std::size_t(head)][i]);
+}
+
+const ReplayEpisode& Replay::BestOf(std::size_t task, std::size_t rank) const {
+  return episodes_[std::size_t(by_reward_[task][rank].second - forgotten_)];
 }
 
 ReplayStep Replay::StepAt(const Place& place) const {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <utility>
 #include <vector>
 
 #include "common/messages/episode.h"
@@ -17,6 +18,7 @@ struct ReplayEpisode {
   std::int32_t final_head = 0;  // that values the final observation
   bool bootstraps = false;      // whether the final observation's value is worth anything
   bool success = false;         // at any step
+  double total_reward = 0;
 };
 
 /// One step of an episode.
@@ -48,6 +50,12 @@ class Replay {
   [[nodiscard]] std::size_t SuccessStepsOf(std::int32_t head) const;
   [[nodiscard]] ReplayStep SuccessStepOf(std::int32_t head, std::size_t i) const;
 
+  [[nodiscard]] std::size_t tasks() const { return by_reward_.size(); }
+  /// A task's episodes by what they were rewarded in all. @param rank  0: the most, of several the
+  /// oldest.
+  [[nodiscard]] std::size_t EpisodesOf(std::size_t task) const { return by_reward_[task].size(); }
+  [[nodiscard]] const ReplayEpisode& BestOf(std::size_t task, std::size_t rank) const;
+
  private:
   struct Place {
     std::uint32_t episode = 0;  // counted from the run's first
@@ -55,6 +63,8 @@ class Replay {
   };
 
   using Places = std::vector<std::deque<Place>>;  // [heads in all]
+
+  using Ranking = std::vector<std::pair<double, std::uint32_t>>;  // minus the reward, the episode
 
   void ForgetOldest();
   [[nodiscard]] ReplayStep StepAt(const Place& place) const;
@@ -64,7 +74,8 @@ class Replay {
   std::uint64_t forgotten_ = 0;  // episodes
   std::size_t steps_ = 0;
   Places of_head_;
-  Places of_success_;  // those of episodes with success
+  Places of_success_;               // those of episodes with success
+  std::vector<Ranking> by_reward_;  // [tasks], ascending
 };
 
 }  // namespace metronome::sac

@@ -11,10 +11,10 @@
 #include "learner/algorithm/algorithm.h"
 #include "learner/network/running_statistics.h"
 #include "learner/network/worker_team.h"
+#include "learner/sac/draw_batch.h"
 #include "learner/sac/gradient_step.h"
 #include "learner/sac/replay.h"
 #include "learner/sac/schedules.h"
-#include "learner/sac/transition.h"
 
 namespace metronome::sac {
 

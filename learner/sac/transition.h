@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "common/schema/config.pb.h"
 #include "learner/sac/replay.h"
@@ -20,13 +19,5 @@ struct Transition {
 
 /// @param sac  resolved.
 Transition TransitionAt(const ReplayStep& step, const SacConfig& sac);
-
-/// The samples of one gradient step, sorted by head and then by next_head: equally many of each
-/// head that acted in the replay, to one, each step of a head equally likely; but for
-/// sac.success_share of them, which are of episodes with success if these have fewer steps than
-/// that share.
-/// @param gradient_step  counted from the run's first: with the seed the key of all draws.
-std::vector<Transition> DrawBatch(const Replay& replay, const RunConfig& config,
-                                  std::uint64_t gradient_step);
 
 }  // namespace metronome::sac

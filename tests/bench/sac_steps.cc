@@ -25,6 +25,7 @@
 #include "common/numbers/random.h"
 #include "learner/network/running_statistics.h"
 #include "learner/network/worker_team.h"
+#include "learner/sac/draw_batch.h"
 #include "learner/sac/gradient_step.h"
 #include "learner/sac/replay.h"
 #include "learner/sac/sac_networks.h"

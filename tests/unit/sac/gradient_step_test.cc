@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/numbers/random.h"
+#include "learner/sac/draw_batch.h"
 #include "learner/sac/replay.h"
 #include "learner/sac/sac_networks.h"
 #include "learner/sac/sac_state.h"

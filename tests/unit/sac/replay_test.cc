@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "learner/sac/draw_batch.h"
 #include "learner/sac/sac_state.h"
 #include "learner/sac/transition.h"
 #include "tests/unit/support/synthetic_run.h"
@@ -25,6 +29,15 @@ Replay Filled(const RunConfig& config, std::uint64_t count) {
   return replay;
 }
 
+void EndAfter(std::size_t steps, StepFlag end, Episode& episode) {
+  episode.observation.resize((steps + 1) * test::kObservationSize);
+  episode.action.resize(steps * test::kActionSize);
+  for (auto* numbers : {&episode.log_prob, &episode.reward}) numbers->resize(steps);
+  episode.head.resize(steps);
+  episode.flags.resize(steps);
+  episode.flags.back() = end;
+}
+
 TEST(ReplayTest, KeepsTheNewestWholeEpisodesThatFit) {
   RunConfig config = SmallSacConfig();
   config.mutable_sac()->set_replay_steps(130);
@@ -41,6 +54,22 @@ TEST(ReplayTest, KeepsTheNewestWholeEpisodesThatFit) {
   EXPECT_EQ(replay.SuccessStepsOf(1), 13U);
   EXPECT_EQ(replay.SuccessStepOf(1, 0).of->episode.number, 6U);
   EXPECT_EQ(replay.SuccessStepOf(1, 12).t, 26);
+}
+
+TEST(ReplayTest, RanksTheEpisodesOfATaskByTheirReward) {
+  RunConfig config = SmallSacConfig();
+  config.mutable_sac()->set_replay_steps(200);
+  const Replay replay = Filled(config, 9);  // 4 to 8 are left
+  ASSERT_EQ(replay.EpisodesOf(0), 5U);
+  std::set<std::uint64_t> numbers;
+  for (std::size_t rank = 0; rank < 5; ++rank) {
+    const ReplayEpisode& episode = replay.BestOf(0, rank);
+    const std::vector<float>& reward = episode.episode.reward;
+    EXPECT_EQ(episode.total_reward, std::accumulate(reward.begin(), reward.end(), 0.0));
+    if (rank > 0) EXPECT_LT(episode.total_reward, replay.BestOf(0, rank - 1).total_reward);
+    numbers.insert(episode.episode.number);
+  }
+  EXPECT_EQ(numbers, (std::set<std::uint64_t>{4, 5, 6, 7, 8}));
 }
 
 TEST(ReplayTest, FindsEachStepOfAHeadOnce) {
@@ -108,12 +137,7 @@ TEST(TransitionTest, AnEpisodeThatEndsEarlyIsBootstrappedUnlessItTerminated) {
   const PolicySnapshot snapshot = SnapshotOf(InitialSacState(config), config);
   for (const StepFlag end : {kStepTerminated, kStepTruncated}) {
     Episode episode = SyntheticEpisode(config, snapshot, 0);
-    episode.observation.resize(21 * test::kObservationSize);
-    episode.action.resize(20 * test::kActionSize);
-    for (auto* numbers : {&episode.log_prob, &episode.reward}) numbers->resize(20);
-    episode.head.resize(20);
-    episode.flags.resize(20);
-    episode.flags.back() = end;
+    EndAfter(20, end, episode);
     Replay replay(config);
     replay.Add(episode);
     const Transition last = TransitionAt(replay.StepOf(1, 5), config.sac());
@@ -147,6 +171,7 @@ TEST(DrawBatchTest, HasEquallyManySamplesOfEachHeadSortedAndDependsOnTheGradient
 
 TEST(DrawBatchTest, HasItsShareOfEpisodesWithSuccess) {
   RunConfig config = SmallSacConfig();
+  config.mutable_sac()->set_best_share(0);
   const Replay replay = Filled(config, 9);  // a third of the episodes have success
   const auto of_success = [&](double share) {
     config.mutable_sac()->set_success_share(share);
@@ -160,6 +185,72 @@ TEST(DrawBatchTest, HasItsShareOfEpisodesWithSuccess) {
   for (const auto& [head, samples] : of_success(0.8)) EXPECT_GE(samples, 16) << head;
   // There are more of them than is asked for.
   EXPECT_EQ(of_success(0.33), of_success(0));
+}
+
+TEST(DrawBatchTest, DrawsAShareByTheRankOfTheReward) {
+  RunConfig config = SmallSacConfig();
+  config.mutable_sac()->set_success_share(0);
+  config.mutable_sac()->set_best_share(0.3);
+  const Replay replay = Filled(config, 9);
+  std::map<const ReplayEpisode*, int> drawn;
+  std::map<std::int32_t, int> of_head;
+  constexpr int kBatches = 2000;
+  for (std::uint64_t step = 0; step < kBatches; ++step) {
+    for (const Transition& each : DrawBatch(replay, config, step)) {
+      ++drawn[each.step.of];
+      ++of_head[each.step.of->episode.head[std::size_t(each.step.t)]];
+    }
+  }
+  constexpr double kSamples = 60.0 * kBatches;
+  for (std::size_t rank = 0; rank < 9; ++rank) {
+    const double by_rank = std::log(1 + 1 / double(rank + 1)) / std::log(10);
+    const double expected = kSamples * (0.7 / 9 + 0.3 * by_rank);
+    EXPECT_NEAR(drawn[&replay.BestOf(0, rank)], expected, 5 * std::sqrt(expected)) << rank;
+  }
+  EXPECT_EQ(of_head, (std::map<std::int32_t, int>{
+                         {0, 20 * kBatches}, {1, 20 * kBatches}, {2, 20 * kBatches}}));
+}
+
+TEST(DrawBatchTest, EachTaskHasItsOwnBestEpisodes) {
+  RunConfig config = SmallSacConfig();
+  for (const char* task : {"a", "b", "c"}) {
+    config.mutable_environment()->mutable_spec()->add_tasks(task);
+  }
+  config.mutable_sac()->set_success_share(0);
+  config.mutable_sac()->set_best_share(1);
+  const Replay replay = Filled(config, 9);
+  std::map<const ReplayEpisode*, int> drawn;
+  constexpr int kBatches = 500;
+  for (std::uint64_t step = 0; step < kBatches; ++step) {
+    for (const Transition& each : DrawBatch(replay, config, step)) ++drawn[each.step.of];
+  }
+  for (std::size_t task = 0; task < 3; ++task) {
+    for (std::size_t rank = 0; rank < 3; ++rank) {
+      const ReplayEpisode& episode = replay.BestOf(task, rank);
+      EXPECT_EQ(episode.episode.number % 3, task);
+      const double expected =
+          60.0 * kBatches / 3 * std::log(1 + 1 / double(rank + 1)) / std::log(4);
+      EXPECT_NEAR(drawn[&episode], expected, 5 * std::sqrt(expected)) << task << " " << rank;
+    }
+  }
+}
+
+TEST(DrawBatchTest, AHeadThatTheBestEpisodeDidNotReachLearnsFromOthers) {
+  RunConfig config = SmallSacConfig();
+  config.mutable_environment()->mutable_spec()->set_may_end_early(true);
+  config.mutable_sac()->set_best_share(1);
+  config.mutable_sac()->set_success_share(0);
+  const PolicySnapshot snapshot = SnapshotOf(InitialSacState(config), config);
+  Replay replay(config);
+  for (std::uint64_t number = 0; number < 2; ++number) {
+    Episode episode = SyntheticEpisode(config, snapshot, number);
+    if (number == 1) EndAfter(20, kStepTerminated, episode);
+    std::fill(episode.reward.begin(), episode.reward.end(), number == 0 ? 0.0F : 100.0F);
+    replay.Add(episode);
+  }
+  for (const Transition& each : DrawBatch(replay, config, 0)) {
+    if (each.head == 2) EXPECT_EQ(each.step.of->episode.number, 0U);
+  }
 }
 
 }  // namespace
