@@ -39,7 +39,7 @@ ARMS = {
     "sac-single": Look("SAC, one head", "#E69F00"),
     "sac-single-time": Look("SAC, one head + time", "#66C2A5"),
     "sac-ratio-4": Look("SAC, multi-head, 4 samples a step", "#3B7A3B", "--"),
-    "sac-ratio-8": Look("SAC, multi-head, 8 samples a step", "#1B1B3A", "--"),
+    "sac-ratio-16": Look("SAC, multi-head, 16 samples a step", "#1B1B3A", "--"),
     "task-time": Look("heads by task and time", "#330000"),
     "t100-k20": Look("T = 100: multi-head, k = 20", "#88CCEE", "--"),
     "t100-ppo": Look("T = 100: PPO", "#F28E2B", "--"),

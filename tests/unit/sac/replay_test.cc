@@ -62,11 +62,13 @@ TEST(ReplayTest, RanksTheEpisodesOfATaskByTheirReward) {
   const Replay replay = Filled(config, 9);  // 4 to 8 are left
   ASSERT_EQ(replay.EpisodesOf(0), 5U);
   std::set<std::uint64_t> numbers;
+  double least = replay.BestOf(0, 0).total_reward;
   for (std::size_t rank = 0; rank < 5; ++rank) {
     const ReplayEpisode& episode = replay.BestOf(0, rank);
     const std::vector<float>& reward = episode.episode.reward;
     EXPECT_EQ(episode.total_reward, std::accumulate(reward.begin(), reward.end(), 0.0));
-    if (rank > 0) EXPECT_LT(episode.total_reward, replay.BestOf(0, rank - 1).total_reward);
+    EXPECT_LE(episode.total_reward, least);
+    least = episode.total_reward;
     numbers.insert(episode.episode.number);
   }
   EXPECT_EQ(numbers, (std::set<std::uint64_t>{4, 5, 6, 7, 8}));
@@ -249,7 +251,7 @@ TEST(DrawBatchTest, AHeadThatTheBestEpisodeDidNotReachLearnsFromOthers) {
     replay.Add(episode);
   }
   for (const Transition& each : DrawBatch(replay, config, 0)) {
-    if (each.head == 2) EXPECT_EQ(each.step.of->episode.number, 0U);
+    EXPECT_TRUE(each.head < 2 || each.step.of->episode.number == 0) << each.head;
   }
 }
 
