@@ -40,7 +40,8 @@ constexpr FieldOption kFieldOptions[] = {
      "time); ppo and ppo-time are other names of the latter two"},
     {"--heads", "policy.heads", "K",
      "Heads of multihead, at most the horizon [default: 10; the other methods have 1]"},
-    {"--steps", "total_steps", "S", "Environment steps in all, rounded up to whole updates"},
+    {"--steps", "total_steps", "S",
+     "Environment steps in all, rounded up to whole updates; with SAC 2000000 if not given"},
     {"--seed", "seed", "N", "Key of every random stream"},
     {"--from", "policy.initial_weights", "CHECKPOINT",
      "Begin a new run with this checkpoint's weights and observation statistics: of the same "

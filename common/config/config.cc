@@ -15,8 +15,9 @@ namespace {
 
 constexpr std::int32_t kDefaultHeads = 10;
 constexpr std::int32_t kDefaultWidth = 128;
-constexpr std::int32_t kDefaultCriticWidth = 128;  // of SAC, as the next
+constexpr std::int32_t kDefaultCriticWidth = 128;  // of SAC, as the next two
 constexpr std::int32_t kDefaultSacEpisodes = 4;    // an update
+constexpr std::uint64_t kDefaultSacSteps = 2000000;
 constexpr std::int64_t kDefaultMinibatch = 2000;
 
 /// Where the first value of `group` came from; nullptr: nobody set one.
@@ -53,6 +54,7 @@ RunConfig Resolve(RunConfig config) {
     auto& collection = *config.mutable_collection();
     if (!collection.has_overlap()) collection.set_overlap(1);
     if (!batch_given) collection.set_episodes_per_update(kDefaultSacEpisodes);
+    if (!config.has_total_steps()) config.set_total_steps(kDefaultSacSteps);
   }
   FillDefaults(config);
   auto& environment = *config.mutable_environment();

@@ -11,7 +11,7 @@ HELP = "training steps a second of SAC end to end, against Stable-Baselines3"
 EACH_ENGINE = True
 
 OURS, SB3 = "Metronome", "Stable-Baselines3"
-BATCH, REPLAY_RATIO, HIDDEN, CRITIC_HIDDEN = 128, 16, [128, 128], [128, 128]
+BATCH, REPLAY_RATIO, HIDDEN, CRITIC_HIDDEN = 256, 8, [128, 128], [128, 128]
 # The ratio is an outcome too: gradient steps are whole ones.
 SAMPLES = "gradient samples a step of "
 

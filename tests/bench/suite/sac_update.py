@@ -12,7 +12,7 @@ HELP = "samples a second of SAC's gradient steps, by batch and threads, against 
 
 OURS, EAGER, COMPILED = "ours", "PyTorch", "PyTorch compiled"
 # Batch, threads, gradient steps.
-CASES = [(128, 1, 200), (128, 2, 200), (2048, 1, 20), (2048, 2, 20)]
+CASES = [(256, 1, 100), (256, 2, 100), (2048, 1, 20), (2048, 2, 20)]
 
 
 def steps(build, batch, **options):

@@ -546,6 +546,7 @@ TEST(ResolveTest, SacHasDefaultsOfItsOwnForTheLoop) {
   EXPECT_FALSE(config.has_ppo());
   EXPECT_EQ(config.collection().episodes_per_update(), 4);
   EXPECT_EQ(config.collection().overlap(), 1);
+  EXPECT_EQ(config.total_steps(), 2000000U);
   EXPECT_EQ(config.sac().critic_hidden_size(), 2);
   EXPECT_NO_THROW(Validate(config));
   RunConfig set = Sac();
@@ -553,6 +554,8 @@ TEST(ResolveTest, SacHasDefaultsOfItsOwnForTheLoop) {
   SetField(set, "collection.episodes_per_update", "32");
   EXPECT_EQ(Resolve(set).collection().episodes_per_update(), 32);
   EXPECT_EQ(Resolve(set).collection().overlap(), 0);
+  SetField(set, "total_steps", "3000000");
+  EXPECT_EQ(Resolve(set).total_steps(), 3000000U);
 }
 
 TEST(ValidateTest, WhatSacCannotHaveIsNamedWithTheRemedy) {
