@@ -222,9 +222,13 @@ TEST(DrawBatchTest, EachTaskHasItsOwnBestEpisodes) {
   config.mutable_sac()->set_best_share(1);
   const Replay replay = Filled(config, 9);
   std::map<const ReplayEpisode*, int> drawn;
+  std::set<std::int32_t> steps_of_best;
   constexpr int kBatches = 500;
   for (std::uint64_t step = 0; step < kBatches; ++step) {
-    for (const Transition& each : DrawBatch(replay, config, step)) ++drawn[each.step.of];
+    for (const Transition& each : DrawBatch(replay, config, step)) {
+      ++drawn[each.step.of];
+      if (each.step.of == &replay.BestOf(0, 0)) steps_of_best.insert(each.step.t);
+    }
   }
   for (std::size_t task = 0; task < 3; ++task) {
     for (std::size_t rank = 0; rank < 3; ++rank) {
@@ -235,6 +239,7 @@ TEST(DrawBatchTest, EachTaskHasItsOwnBestEpisodes) {
       EXPECT_NEAR(drawn[&episode], expected, 5 * std::sqrt(expected)) << task << " " << rank;
     }
   }
+  EXPECT_EQ(steps_of_best.size(), 40U);
 }
 
 TEST(DrawBatchTest, AHeadThatTheBestEpisodeDidNotReachLearnsFromOthers) {
