@@ -103,7 +103,7 @@ struct Taken {
 inline double AgeSeconds(const fdds::SampleInfo& info) {
   const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
   const std::chrono::nanoseconds written(info.source_timestamp.to_ns());
-  return (now - written).count();
+  return std::chrono::duration<double>(now - written).count();  // not in the nanoseconds of both
 }
 
 template <class PubSubType>
