@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <set>
@@ -145,6 +146,13 @@ INSTANTIATE_TEST_SUITE_P(Transports, DdsBusTest,
                          [](const auto& test) {
                            return test.param == Transport::kUdp ? "Udp" : "SharedMemory";
                          });
+
+TEST(AgeSecondsTest, AreSecondsSinceTheSampleWasWritten) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  eprosima::fastdds::dds::SampleInfo info;
+  info.source_timestamp.from_ns(std::chrono::nanoseconds(now - std::chrono::seconds(50)).count());
+  EXPECT_NEAR(dds::AgeSeconds(info), 50, 5);
+}
 
 TEST(DdsBusTest, RunsOfOtherNamesAreNotHeard) {
   const BusOptions options = FreshRun();
