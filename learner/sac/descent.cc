@@ -23,7 +23,7 @@ void ForRanges(const Mlp& mlp, std::size_t part, std::size_t offset, const Task&
 
 Descent::Descent(const RunConfig& config, StepNetworks& networks, network::WorkerTeam& team)
     : config_(config),
-      sac_(config_.sac()),
+      sac_(config.sac()),
       actions_(SacNetworks(config).actions()),
       networks_(networks),
       team_(team),

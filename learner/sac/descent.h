@@ -39,7 +39,7 @@ class Descent {
   void Follow(std::size_t first, std::size_t count, OptimiserState& state) const;
 
   RunConfig config_;
-  const SacConfig& sac_;
+  SacConfig sac_;
   std::size_t actions_;
   StepNetworks& networks_;
   network::WorkerTeam& team_;

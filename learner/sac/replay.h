@@ -50,10 +50,9 @@ class Replay {
   [[nodiscard]] std::size_t SuccessStepsOf(std::int32_t head) const;
   [[nodiscard]] ReplayStep SuccessStepOf(std::int32_t head, std::size_t i) const;
 
-  [[nodiscard]] std::size_t tasks() const { return by_reward_.size(); }
-  /// A task's episodes by what they were rewarded in all. @param rank  0: the most, of several the
-  /// oldest.
   [[nodiscard]] std::size_t EpisodesOf(std::size_t task) const { return by_reward_[task].size(); }
+  /// By what a task's episodes were rewarded in all. @param rank  0: the most, of several the
+  /// oldest.
   [[nodiscard]] const ReplayEpisode& BestOf(std::size_t task, std::size_t rank) const;
 
  private:
